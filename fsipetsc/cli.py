@@ -114,9 +114,7 @@ def _main(arguments: list[str]) -> int:
                 given = start_petsc(arguments[1:], world)
                 from fsipetsc.stepping.run import run_given
 
-                if check := given.get("fsi_check") == "":  # it has no value
-                    del given["fsi_check"]
-                run_given(case, given, world, check)
+                run_given(case, given, world)
         print(end="", flush=True)  # while an error can still be answered
     except BrokenPipeError:  # the reader, a pager or head, has seen enough
         abandon_output()

@@ -1,6 +1,4 @@
-"""What can go wrong, each kind with the exit status that the command line ends with; errors of a
-user's functions, with file, line and reason.
-"""
+"""What can go wrong, with exit statuses; errors of a user's functions, with file and line."""
 
 import os
 import traceback
@@ -19,8 +17,7 @@ class FsiError(Exception):
 
     Args:
         message: what is wrong, and what would be valid.
-        collective: True if every rank raises it at the same place (then the program ends in order),
-            False if one rank may be alone with it (then the other ranks are stopped).
+        collective: whether every rank raises it at the same place; else the others are stopped.
     """
 
     status = 1
@@ -53,9 +50,8 @@ class FileError(FsiError):
 
 
 class Interrupted(KeyboardInterrupt):
-    """A signal has ended a run, after its checkpoint. All ranks raise it together.
-
-    It is no FsiError: what a program does about a run that fails must not go on after a SIGTERM.
+    """A signal has ended a run, after its checkpoint, on all ranks. It is no FsiError: what a
+    program does about a run that fails must not go on after a SIGTERM.
     """
 
     collective = True
@@ -73,10 +69,8 @@ def petsc_words(error: BaseException) -> str:
 
 
 def clear_frames(error: BaseException | None) -> None:
-    """Empty the frames of an error, of its cause and of their callers.
-
-    They hold PETSc's objects, a TS or the array of a Vec, which must not outlive the run: PETSc
-    waits at its end for all ranks to have the same ones.
+    """Empty the frames of an error, of its cause and of their callers. They hold PETSc's objects,
+    which must not outlive the run: PETSc waits at its end for all ranks to have the same ones.
     """
     while error is not None:
         traceback.clear_frames(error.__traceback__)
@@ -89,9 +83,8 @@ def clear_frames(error: BaseException | None) -> None:
 
 
 def call(function: Callable[..., Any], arguments: tuple[Any, ...], where: str) -> Any:
-    """function(*arguments), a user's; where: what it is, in a message.
-
-    InputError with file and line for whatever it raises, perhaps on this rank alone.
+    """function(*arguments), a user's. InputError with file, line and ``where`` for whatever it
+    raises, perhaps on this rank alone.
     """
     try:
         return function(*arguments)

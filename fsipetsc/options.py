@@ -67,7 +67,6 @@ class Option:
         object.__setattr__(self, "unit", "" if self.unit == "-" else self.unit)
 
     def parse(self, text: str) -> Any:
-        """Return the value that a text stands for. InputError."""
         if text == "" and self.kind != "bool":
             raise InputError(f"-{self.name} needs a value: {self._expected()}")
         return self.checked(text.strip(), f"bad value {text[:80]!r} for -{self.name}")
@@ -78,24 +77,22 @@ class Option:
             found = _typed(str(self.kind), value)
         except (ValueError, TypeError, OverflowError, KeyError):
             raise InputError(f"{said}: expected {self._expected()}") from None
-        least = min(found, default=1) if isinstance(found, tuple) else found
-        if self.choices is not None:
-            good: Any = found in self.choices
-        elif callable(self.check):
+        good: Any = self.choices is None or found in self.choices
+        if callable(self.check):
             good = call(self.check, (found,), f"check of -{self.name}")
-        else:
-            good = not self.check or least > 0 or (self.check == "nonnegative" and least == 0)
+        elif self.check:
+            least = min(found, default=1) if isinstance(found, tuple) else found
+            good = least > 0 or (self.check == "nonnegative" and least == 0)
         if good not in (None, True):
-            wanted = "a value within its range" if callable(self.check) else self._expected()
-            raise InputError(f"{said}: expected {good if isinstance(good, str) else wanted}")
+            raise InputError(f"{said}: expected {good or self._expected()}")
         return found
 
     def _expected(self) -> str:
-        """What is valid, as the end of a sentence."""
         if self.choices is not None:
             return "one of " + ", ".join(map(str, self.choices))
         unit = f" [{self.unit}]" if self.unit else ""
-        return _KINDS[str(self.kind)] + _BOUNDS.get(str(self.check), "") + unit
+        bound = " within its range" if callable(self.check) else _BOUNDS.get(str(self.check), "")
+        return _KINDS[str(self.kind)] + bound + unit
 
 
 def _typed(kind: str, value: Any) -> Any:
@@ -120,18 +117,14 @@ def _typed(kind: str, value: Any) -> Any:
 # the table
 
 
-def above_one(value: float) -> str | None:
+def above_one(value: float) -> bool | str:
     """Check a ratio of specific heats or a Mach number."""
-    return None if value > 1 else "a number above 1"
+    return value > 1 or "a number above 1"
 
 
-def _increasing(times: Sequence[float]) -> str | None:
+def _increasing(times: Sequence[float]) -> bool | str:
     rising = all(a < b for a, b in pairwise(times)) and min(times, default=0) >= 0
-    return None if rising else "times that are not negative and increase"
-
-
-def _file_name(name: str) -> str | None:
-    return None if Path(name).name and "\0" not in name else "the name of a file"
+    return rising or "times that are not negative and increase"
 
 
 DISCRETISATION = (
@@ -162,7 +155,8 @@ DISCRETISATION = (
 )  # fmt: skip
 OUTPUT = (
     Option("fsi_output", str, None, "",
-        "result file (HDF5); an earlier result is never destroyed silently", check=_file_name),
+        "result file (HDF5); an earlier result is never destroyed silently",
+        check=lambda name: bool(Path(name).name) or "the name of a file"),
     Option("fsi_output_dt", float, None, "s", "interval at which profiles are saved",
         check="positive"),
     Option("fsi_output_times", "floats", None, "s", "times at which profiles are saved: t0,t1,…",
@@ -181,9 +175,7 @@ CHECKPOINTS = (
         "go on from a checkpoint; auto: from the run's own, if there is one"),
 )  # fmt: skip
 RUN = (
-    Option("fsi_check", float, None, "",
-        "stop if mass, momentum, energy or entropy departs from its law by this fraction; "
-        "without a value: check the case, and do not run it", check="positive"),
+    Option("fsi_check", bool, False, "", "check the case, and do not run it"),
     Option("fsi_partition", str, "auto", "", "which ranks own which layers",
         ("auto", "physics", "balanced")),
     Option("fsi_norm", str, "L2", "",
@@ -194,7 +186,7 @@ RUN = (
     Option("fsi_debug", bool, False, "", "keep the C text of the kernels, and print where it is"),
 )  # fmt: skip
 #: those that belong to one run of the program, not to what is computed: no checkpoint has them
-OF_A_RUN = {"fsi_quiet", "fsi_progress", "fsi_debug", "fsi_restart"}
+OF_A_RUN = {"fsi_quiet", "fsi_progress", "fsi_debug", "fsi_check", "fsi_restart"}
 COMMON: tuple[Option, ...] = DISCRETISATION + OUTPUT + CHECKPOINTS + RUN
 
 #: PETSc's options for which this program has defaults of its own, or which it must know
@@ -215,8 +207,12 @@ PETSC_OPTIONS: tuple[Option, ...] = (
 #: other spellings: of another release of PETSc, or deprecated there
 ALIASES = {"ts_time_step": "ts_dt", "ts_final_time": "ts_max_time"}
 
-#: options that PETSc follows when it starts or ends -> meaning
-AT_START = {
+#: all options that PETSc follows and no table of a case has -> meaning
+PASSED_ON = {
+    "options_file": "read options from a file, one '-name value' a line; FILE.yaml is YAML",
+    "options_file_yaml": "the same in YAML, whatever the file's name",
+    "ts_monitor": "print every step: number, dt, t",
+    "ts_view": "print PETSc's method when it ends; with -ts_type rk, ssp or euler",
     "log_view": "print PETSc's log at the end; :FILE writes it",
     "memory_view": "print the memory that was used, at the end",
     "info": "print what PETSc does",
@@ -224,16 +220,8 @@ AT_START = {
     "malloc_dump": "list memory of PETSc's that was not freed, at the end",
     "options_left": "list options that PETSc did not use, at the end",
 }
-#: options that PETSc's time integrator follows -> meaning
-IN_LOOP = {"ts_monitor": "print every step: number, dt, t"}
-IN_LOOP |= {"ts_view": "print PETSc's method when it ends; with -ts_type rk, ssp or euler"}
-#: all options that PETSc follows and no table of a case has -> meaning
-PASSED_ON = {
-    "options_file": "read options from a file, one '-name value' a line; FILE.yaml is YAML",
-    "options_file_yaml": "the same in YAML, whatever the file's name",
-    **IN_LOOP,
-    **AT_START,
-}
+#: those of its time integrator; those that it follows when it starts or ends
+IN_LOOP, AT_START = ("ts_monitor", "ts_view"), tuple(PASSED_ON)[4:]
 #: beginnings of PETSc's names, which no option of a case may have
 PETSCS = ("ts_", "ksp_", "pc_", "snes_", "mat_", "vec_", "dm_", "log_", "malloc_", "options_")
 
@@ -257,13 +245,12 @@ def groups(
     }
     known = [option.name for options in sections.values() for option in options]
     taken = [name.lower() for name in (*known, *PASSED_ON, "help")]
-    for name in (option.name.lower() for option in case.OPTIONS):
-        if taken.count(name) > 1 or name.startswith(PETSCS):
+    for name in (option.name for option in case.OPTIONS):
+        if taken.count(name.lower()) > 1 or name.lower().startswith(PETSCS):
             raise InputError(f"case {case.NAME}: its option -{name} has the name of another one")
-    for name in case.DEFAULTS:
-        if name not in known:
-            hint = _nearest(str(name), known)
-            raise InputError(f"case {case.NAME}: DEFAULTS has {name!r}, which is no option{hint}")
+    for name in [name for name in case.DEFAULTS if name not in known][:1]:
+        hint = _nearest(str(name), known)
+        raise InputError(f"case {case.NAME}: DEFAULTS has {name!r}, which is no option{hint}")
     values = {"fsi_output": f"{case.NAME}.h5", **case.DEFAULTS, **(inherited or {})}
 
     def in_force(option: Option) -> Option:
@@ -390,11 +377,7 @@ def read_table(
 
 def _nearest(name: str, names: Iterable[str]) -> str:
     """Return a hint in brackets for a name that is none of the names."""
-    if "=" in name:
-        return " (write '-name value', without =)"
     spelt = {known.lower(): known for known in names}
-    petscs = name.lower().startswith(PETSCS)
-    best = get_close_matches(name.lower(), sorted(spelt), 1, 0.85 if petscs else 0.6)
-    if best:
-        return f" (did you mean -{spelt[best[0]]}?)"
-    return f" ({'it has no effect here; ' * petscs}-help lists the options there are)"
+    alike = 0.85 if name.lower().startswith(PETSCS) else 0.6
+    best = get_close_matches(name.lower(), spelt, 1, alike)
+    return f" (did you mean -{spelt[best[0]]}?)" if best else " (-help lists the options there are)"

@@ -1,6 +1,6 @@
 """What the states of both methods have in common: steps, checkpoints, errors."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,18 +9,7 @@ from mpi4py import MPI
 from fsipetsc.errors import FsiError
 from fsipetsc.kernels.procedure import Calls, Procedure
 from fsipetsc.process.together import agree, together
-from fsipetsc.scheme.plan import (
-    ALLOWED,
-    BAD,
-    BATCH,
-    CAPACITY,
-    DT,
-    FLAGS,
-    LIMITS,
-    MADE,
-    TIME,
-    Plan,
-)
+from fsipetsc.scheme import plan
 from fsipetsc.scheme.runge_kutta import FRACTIONS, STAGES
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
@@ -42,13 +31,13 @@ class Seen(NamedTuple):
 class State:
     """A solution and all that belongs to it: steps, checkpoints, errors. All is collective.
 
-    shapes: of the grids of layers; parts: number k of a layer -> what this rank has of it, if it
-    has some; y: this rank's part of the solution, solution: the same as PETSc has it. Stages 0 to 3
-    of a step begin with the solution, and STAGES is the solution that comes of them. A method says
+    Stages 0 to 3 of a step begin with the solution, and STAGES is the solution that comes of them.
+    A method has arrays y, this rank's part of the solution, and `changing`, which steps change and
+    stages do not follow from; shapes of the grids of layers; parts, number of a layer -> what this
+    rank has of it. It says
 
         set_data(t)     data of the case are those at t [s]; what is wrong with them is the fault
-        load(n, y)      let stage n be this rank's part y of a solution
-        unload(n, y)    copy it into y
+        load(n, y), unload(n, y)  copy a solution into stage n, or out of it
         phase(name, n, f)  calls of procedures and exchanges that do something with stage n:
             data        set the data of its time, which C knows
             fulfil      let it obey all conditions
@@ -57,38 +46,22 @@ class State:
             complete    find bounds, integrals, records of the solution, which obeys all conditions
         show(n)         let what is saved and seen be that of stage n
         begin()         what follows from the solution, and not from the stages before it
-        owned(k)        a view (M, unknowns) of the solution at the points that this rank owns
-        numbers(k)      (M,) of these points
-        fields(k)       names of what is saved of a point
-        compared(kind)  names of what is compared with exact solutions
+        owned(k), numbers(k)  (M, unknowns), a view of the solution at the points of this rank; (M,)
+        fields(k), compared(kind)  names of what is saved of a point, of what has exact solutions
         powers(k, names, t, power)  integrals of |difference|^power over this rank's part
-        more()          what a checkpoint has beside layers and results, on rank 0
-        take(arrays)    take this from a checkpoint
+        more(), take(arrays)  what a checkpoint has beside layers and results, on rank 0
 
     results: flags and limits of the last step, batch: fsipetsc.scheme.plan. journal: records of
-    steps; latest: that of the last one, without its time; the integrals in them are this rank's
-    shares. asks: Python has something to do in each step. changing: arrays that steps change,
-    and that stages do not follow from. fault: the first one of a user's function, on this rank, of
-    which all learn after the step. evaluations: of the right-hand side.
+    steps; latest: that of the last one, without its time, latest_numbers: the same as doubles; the
+    integrals in them are this rank's shares. asks: Python has something to do in each step. fault:
+    the first one of a user's function, on this rank, of which all learn after the step.
+    evaluations: of the right-hand side.
     """
 
-    comm: MPI.Comm
-    problem: Any
-    solution: Any
-    shapes: Sequence[tuple[int, ...]]
-    parts: Mapping[int, Any]
-    results: np.ndarray
-    asks: bool
-    changing: Sequence[np.ndarray]
     fault: FsiError | None = None
     evaluations = 0
     #: a step that leaves an unphysical state is made anew in up to so many parts
     MOST_PARTS = 1
-    #: of the solution that is saved [s]
-    time = 0.0
-    _kept: Sequence[np.ndarray] = ()
-
-    # steps
 
     def _take_calls(self, library: Any, planning: Procedure) -> None:
         """Make the list of calls of a step, the last one of which, `plan_next`, plans the next."""
@@ -100,7 +73,6 @@ class State:
         self._whole_step = Calls(library, calls)
 
     def _do(self, name: str, n: int, f: np.ndarray | None = None) -> None:
-        """Make the calls of a phase."""
         key = name, n, 0 if f is None else f.ctypes.data
         if key not in self._made:
             self._made[key] = Calls(self._library, self.phase(name, n, f))
@@ -127,56 +99,50 @@ class State:
         self.complete()
 
     def complete(self) -> None:
-        """Find what is known of the solution."""
         self._do("complete", STAGES)
 
     def keep(self) -> None:
-        """Keep what ``go_back`` needs."""
         self._kept = [array.copy() for array in self.changing]
 
     def step(self, t: float, dt: float) -> None:
         """Make a step dt [s] of the classical Runge-Kutta method from the completed solution at
         t [s], and the others of its batch, which are one call of C.
         """
-        self.batch[[TIME, DT]] = t, dt
+        self.batch[[plan.TIME, plan.DT]] = t, dt
         self.keep()
         if self.asks:
             self._advance(t, dt)
             self.planning()
         else:
             self.set_data(t)
-            self._whole_step.batch(self.results[BAD:], self.batch[ALLOWED:])
+            self._whole_step.batch(self.results[plan.BAD :], self.batch[plan.ALLOWED :])
             self.show(STAGES)
-        self.evaluations += STAGES * max(1, int(self.batch[MADE]))
+        self.evaluations += STAGES * max(1, int(self.batch[plan.MADE]))
 
     def step_in_parts(self, parts: int) -> None:
         """Make the step that is planned in so many equal parts; what is noted is one step."""
-        t, dt = self.batch[[TIME, DT]].tolist()
+        t, dt = self.batch[[plan.TIME, plan.DT]].tolist()
         for part in range(parts):
             times = t + dt * part / parts, dt / parts
-            self.batch[[TIME, DT]] = times  # which stages read
+            self.batch[[plan.TIME, plan.DT]] = times  # which stages read
             self._advance(*times, ends=part == parts - 1)
-        self.batch[[TIME, DT]] = t, dt
+        self.batch[[plan.TIME, plan.DT]] = t, dt
         self.planning()
         self.evaluations += STAGES * parts
 
-    def _advance(
-        self,
-        t: float,
-        dt: float,
-        look: Callable[[int], Any] = lambda n: None,
-        ends: bool = True,
-    ) -> Any:
-        """Make a step; it ends where look(n), called with each new stage, finds something. ends:
-        find what is known of the solution after it.
+    def _advance(self, t: float, dt: float, look: Any = None, ends: bool = True) -> Any:
+        """Make a step; it ends where look(), called with each new stage shown, finds something.
+        ends: complete the solution after it.
         """
         for n, part in enumerate(FRACTIONS):
             self.set_data(t + part * dt)
             self._do("fulfil", n)
             if n == STAGES and ends:
                 self.complete()
-            if n > 0 and (found := look(n)):
-                return found
+            if n > 0 and look is not None:
+                self.show(n)
+                if found := look():
+                    return found
             if n < STAGES:
                 self._do("advance", n)
         return None
@@ -189,44 +155,35 @@ class State:
 
     def repeat(self, look: Callable[[], Any]) -> Any:
         """Go on from there until look() finds something in a stage, which is returned: NaN spreads
-        from there. InputError for data that are wrong.
+        from there. None if it finds nothing. InputError for data that are wrong.
         """
-
-        def shown(n: int) -> Any:
-            self.show(n)
-            return look()
-
-        found, recorded = None, self.journal.copy()  # which the same steps must not change
-        try:
-            while self._kept and not found:
-                found = self._advance(*self.batch[[TIME, DT]].tolist(), shown)
-                agree(self.comm, self.fault)
-                self.planning()
-                if self.batch[ALLOWED] == 0.0:
-                    break
-        finally:
-            self.journal[:] = recorded
-        return found
+        while True:
+            found = self._advance(*self.batch[[plan.TIME, plan.DT]].tolist(), look)
+            agree(self.comm, self.fault)
+            if found:
+                return found
+            self.planning()  # the same steps write the same records
+            if self.batch[plan.ALLOWED] == 0.0:
+                return None
 
     def _lay_journal(self, record: np.dtype, more: int = 0) -> np.ndarray:
         """Make batch, journal, results and latest. Returns the numbers of results, so many
         ``more``, and those of latest.
         """
-        rows, self.batch = np.zeros((CAPACITY, record.itemsize // 8)), np.zeros(BATCH)
-        first = FLAGS + LIMITS
+        rows, self.batch = np.zeros((plan.CAPACITY, record.itemsize // 8)), np.zeros(plan.BATCH)
+        first = plan.FLAGS + plan.LIMITS
         numbers = np.zeros(first + more + rows.shape[1] - 2)
-        self.results, latest = numbers[:first], numbers[first + more :]
+        self.results, self.latest_numbers = numbers[:first], numbers[first + more :]
         self.journal = rows.reshape(-1).view(record)
-        self.latest = latest.view([(name, record[name]) for name in record.names[2:]])[0]
-        self.plan = Plan(self.batch, self.results, rows, latest)
+        kind = [(name, record[name]) for name in record.names[2:]]
+        self.latest = self.latest_numbers.view(kind)[0]
+        self.plan = plan.Plan(self.batch, self.results, rows, self.latest_numbers)
         return numbers
 
     @property
     def invariants(self) -> Mapping[str, Any]:
         """What must not change, as JSON has it: see fsipetsc.scheme.conservation_check."""
         return self.problem.invariants
-
-    # what is made of it
 
     def header(self) -> dict[str, Any]:
         """What a result file says of layers, and of points that are recorded: none."""
@@ -258,9 +215,8 @@ class State:
         found = {}
         for kind, own in sums.items():
             total = self.comm.allreduce(own)
-            roots = (total ** (1 / power)).tolist()
-            combined = float(total.sum() ** (1 / power))
-            found[kind] = {**dict(zip(names[kind], roots, strict=True)), "combined": combined}
+            of_names = dict(zip(names[kind], (total ** (1 / power)).tolist(), strict=True))
+            found[kind] = {**of_names, "combined": float(total.sum() ** (1 / power))}
         return found
 
     def capture(self) -> dict[str, np.ndarray] | None:
@@ -269,17 +225,16 @@ class State:
         """
         arrays = {}
         for k, shape in enumerate(self.shapes):
-            found = whole(self.comm, int(np.prod(shape)), self.numbers(k), self.owned(k))
+            found = whole(self.comm, self.numbers(k), self.owned(k))
             if found is not None:
                 arrays[f"layer{k}"] = found.reshape(*shape[::-1], -1)
-        more, latest = self.more(), as_numbers(self.latest).copy()
-        if self.comm.rank > 0:
-            return None
-        return {**arrays, **more, "results": self.results.copy(), "latest": latest}
+        known = {"results": self.results.copy(), "latest": self.latest_numbers.copy()}
+        every = {**arrays, **self.more(), **known}
+        return every if self.comm.rank == 0 else None
 
     def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> None:
         """Be at time t [s] what ``capture`` told of, which all ranks know. InputError."""
-        self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
+        self.results[:], self.latest_numbers[:] = arrays["results"], arrays["latest"]
         for k in self.parts:
             own = self.owned(k)
             own[:] = arrays[f"layer{k}"].reshape(-1, own.shape[1])[self.numbers(k)]
@@ -298,19 +253,13 @@ class State:
             self.destroy()
 
 
-def whole(comm: MPI.Comm, size: int, numbers: np.ndarray, values: np.ndarray) -> np.ndarray | None:
-    """(size, columns), on rank 0, of all ranks' rows of values by their numbers. Collective."""
+def whole(comm: MPI.Comm, numbers: np.ndarray, values: np.ndarray) -> np.ndarray | None:
+    """On rank 0, of all ranks' rows of values those by their numbers. Collective."""
     every, sent = comm.gather(numbers), [np.ascontiguousarray(values), MPI.DOUBLE]
     if every is None:
         comm.Gatherv(sent, None)
         return None
-    received, found = np.empty((2, size, values.shape[1]))
-    counts = [values.shape[1] * len(some) for some in every]
-    comm.Gatherv(sent, [received, counts, MPI.DOUBLE])
-    found[np.concatenate(every)] = received
-    return found
-
-
-def as_numbers(record: np.void) -> np.ndarray:
-    """View of a record of doubles as these."""
-    return record.reshape(1).view(np.float64)
+    order, width = np.concatenate(every), values.shape[1]
+    received = np.empty((len(order), width))
+    comm.Gatherv(sent, [received, [width * len(some) for some in every], MPI.DOUBLE])
+    return received[np.argsort(order)]

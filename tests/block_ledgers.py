@@ -53,7 +53,7 @@ class Steps(BlockState):
 
     def lost(self):
         """Of the kinetic and elastic energy of solids, where that is known."""
-        return self.of_faces("lost_energy")[0] if self.lossy else 0.0
+        return self.of_faces("lost_energy")[0] if "lost_energy" in self._at else 0.0
 
     def face_energies(self):
         """Name of a face -> energy that has come in there, heat among it."""

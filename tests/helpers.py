@@ -103,6 +103,13 @@ def computed(folder: Path, name: str, *words: object, ranks: int = 1) -> fsipets
     return fsipetsc.open_run(folder / name)
 
 
+def kept(run: fsipetsc.Run, most: float) -> fsipetsc.Run:
+    """A run whose laws hold but for this fraction at most."""
+    departures = run.summary["departures"]
+    assert departures and all(size <= most for size in departures.values()), departures
+    return run
+
+
 def on_ranks(folder: Path, line: str, *ranks: int) -> fsipetsc.Run:
     """A result on the first number of ranks; on the others fields and steps are the same."""
     one, *others = (computed(folder, f"{n}.h5", *line.split(), ranks=n) for n in ranks)

@@ -25,13 +25,13 @@ LINES = [
     # options
     ("rod -fsi_ordr 4", 2, "-fsi_ordr…did you mean -fsi_order?"),
     ("rod -fsi_cfl abc", 2, "'abc' for -fsi_cfl…a number above 0"),
-    ("rod -fsi_h=0.1", 2, "without ="),
+    ("rod -fsi_h=0.1", 2, "did you mean -fsi_h?"),
     ("rod -fsi_h 0.1 0.2", 2, "unexpected argument '0.2'"),
     ("rod -fsi_order 5", 2, "-fsi_order…2, 4, 6, 8"),
     ("rod -ts_max_steps 1e3", 2, "-ts_max_steps…a whole number"),
     ("rod -fsi_output_times 1,0.5", 2, "-fsi_output_times…increase"),
     ("box -fsi_output_times 7", 2, ": 7 would not be reached…-ts_max_time 2"),
-    ("rod -snes_type 2.0", 2, "-snes_type…no effect"),
+    ("rod -snes_type 2.0", 2, "unknown option -snes_type"),
     ("rod -options_file bad.opts", 2, "bad.opts line 2"),
     ("rod -options_file log.opts", 2, "-log_view works from the start of PETSc"),
     ("rod -options_file no.opts", 4, "no.opts"),
@@ -45,7 +45,6 @@ LINES = [
     ("piston -fsi_coupling projection", 2, "the wall of layer…moves…-fsi_coupling conservative"),
     ("blast -fsi_coupling energy", 2, "this case is made of blocks, …: expected conservative"),
     ("blast -fsi_probes 0.5,9", 2, "no block is there; the nearest node is 7.75 away"),
-    ("mms -fsi_h 0.1 -fsi_check 1e-7", 2, "-fsi_check: nothing is conserved here"),
     ("convergence rod -fsi_hs 0.1,0.05", 2, "rod has no exact solution: its grids are compared"),
     ("stability -stability_points 10", 2, "6/3"),
     # files

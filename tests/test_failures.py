@@ -44,7 +44,7 @@ CASE = REPOSITORY / "tests" / "going_wrong.py"
 DRIVEN = [
     ("gsg", 1, "y", -1e6, "J = -"),
     ("sgs", 2, "T", -1e6, "T = -"),
-    ("gsg", 2, "e", 1e308, "T = 6.66667e+303, too large to go on with,"),
+    ("gsg", 2, "e", 1e308, "T = 6.66667e+303"),
     ("gsg", 0, "place", 2000, "T = -"),  # it takes all heat of the gas beside it
 ]
 
@@ -112,19 +112,12 @@ def build(opt):
     CHANGE
     return replace(problem, layers=(below, layer, above))
 """
-SIGN = "has a pressure of 1e+05 Pa where it meets 'layer', which pushes with -1e+05 Pa "
 OTHER = "volume and mass than its map gives it: the first state of a solid beside it is not where"
 #: what is changed -> what the notes say, with … for what stands between
 NOTES = {
     "": [],
-    "layer = replace(layer, initial=lambda X: (0.0, P0, T0, X))": [
-        *(f"at t = 0 'driven' {SIGN}", f"at t = 0 'behind' {SIGN}")
-    ],
     "layer = replace(layer, initial=lambda X: (0.0, -P0, T0, X + 0.02))": [
         *(f"'driven' begins with … % more {OTHER}", f"'behind' begins with … % less {OTHER}")
-    ],
-    "below = replace(below, initial=lambda X: (np.where(X < 0.5, 2, 1) * P0 / 287 / T0, 0, T0))": [
-        "at the end the pressure in 'driven' changes by … one node to the next, at X = 0."
     ],
 }
 

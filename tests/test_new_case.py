@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from helpers import computed, on_ranks, solve, well
+from helpers import computed, kept, on_ranks, solve, well
 
 
 def written(folder, name, *words, ranks=1):
@@ -18,7 +18,7 @@ def written(folder, name, *words, ranks=1):
 def test_the_case_runs_and_does_what_it_says(tmp_path):
     """The plate swings with the amplitude and the period of the file's own words."""
     text = written(tmp_path, "my_case.py", ranks=2)
-    result = computed(tmp_path, "a.h5", "my_case.py", "-fsi_check", 1e-3, ranks=2)
+    result = kept(computed(tmp_path, "a.h5", "my_case.py", ranks=2), 1e-3)
     assert result.complete and result.nframes == 41
     t, way = result.series["t"], result.series["x_interface"][:, 0] - 0.4
     swing = r"it goes ([\d.]+) m to the right and comes back; the period is ([\d.]+) s"
@@ -30,8 +30,8 @@ def test_the_case_runs_and_does_what_it_says(tmp_path):
 def test_blocks(tmp_path):
     """A ring that widens under the gas in it, what is kept of it; on three ranks as on two."""
     written(tmp_path, "my_ring.py", "-blocks")
-    line = "my_ring.py -fsi_h 0.04 -ts_max_time 0.004 -fsi_check 1e-9"
-    result = on_ranks(tmp_path, line, 2, 3)
+    line = "my_ring.py -fsi_h 0.04 -ts_max_time 0.004"
+    result = kept(on_ranks(tmp_path, line, 2, 3), 1e-9)
     assert result.complete and result.dimension == 2 and result.nframes == 11
     moved = result.interface("gas | ring").displacement[-1]
     assert 1e-3 < moved.mean() < 6e-3 and moved.max() < 2e-2
@@ -52,5 +52,5 @@ def test_plate(tmp_path):
 @pytest.mark.parametrize("kind", ["water", "channel"])
 def test_other_templates(kind, tmp_path):
     written(tmp_path, "mine.py", f"-{kind}")
-    run = computed(tmp_path, "a.h5", "mine.py", "-ts_max_steps", 3, "-fsi_check", 1e-9)
+    run = kept(computed(tmp_path, "a.h5", "mine.py", "-ts_max_steps", 3), 1e-9)
     assert run.summary["steps"] == 3

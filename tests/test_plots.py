@@ -140,7 +140,7 @@ def test_report(results, tmp_path):
     assert not re.search(r"href=|url\(|<link |<script", text)
 
 
-# a case before it runs: the command geometry, and -fsi_check without a value
+# a case before it runs: the command geometry, and -fsi_check
 
 
 @pytest.mark.parametrize("coupling", ["projection", "conservative"])

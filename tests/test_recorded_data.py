@@ -17,7 +17,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.particles.members import particles_of
 from fsipetsc.particles.prescribed import Prescribed
 from fsipetsc.problem import blocks_of_line
-from fsipetsc.stepping.notes import notes
+from fsipetsc.stepping.notes import asked_data
 
 CASE = str(REPOSITORY / "tests" / "timed.py")
 KINDS = "wall", "ends", "open"
@@ -41,7 +41,7 @@ def at_wall(x, velocity=None, T=None):
 def data_of(state):
     parts = state.parts.values()
     faces = [of for part in parts for of in part.faces.record if isinstance(of, np.ndarray)]
-    forcing = [part.forcing for part in parts]
+    forcing = [part.forcing for part in parts if part.forcing is not None]
     prescribed = state.phases.particles.prescribed
     return [*prescribed.data, *faces, *forcing]
 
@@ -108,7 +108,7 @@ def test_python_is_asked_for_other_functions(name):
     assert state.asks and why in state.phases.not_recorded[0]
     state.set_initial()
     state.finish()
-    assert any("in each stage" in note and why in note for note in notes(state, "begin"))
+    assert "in each stage" in asked_data(state)[0] and why in asked_data(state)[0]
     complete(state, 0.3, state.y)
     found = state.phases.particles.record
     assert found.data.place[found.moves == 1, 0] == x(0.3)

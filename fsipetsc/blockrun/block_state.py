@@ -1,41 +1,28 @@
 """The state of a run of blocks; what is done in a stage says fsipetsc.blockrun.phases."""
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from fsipetsc.blockrun import saved
 from fsipetsc.blockrun.gas_part import loose_gases
 from fsipetsc.blockrun.phases import Phases
-from fsipetsc.blockrun.saved import (
-    OF_INTERFACES,
-    compared,
-    fields_of,
-    gain_of,
-    gained,
-    grids,
-    header,
-    here_of,
-    lossy,
-    note_nodes,
-    powers,
-    seen,
-    slices,
-    step_record,
-)
 from fsipetsc.blocks.block_problem import BlockProblem
-from fsipetsc.checks import block_values
+from fsipetsc.checks import block_values, checked, names_of
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
 from fsipetsc.process.together import agree, together
 from fsipetsc.scheme.monitor import MONITORED
-from fsipetsc.scheme.plan import FLAGS, LIMITS, SAID_STOP
+from fsipetsc.scheme.observables import PLACES, VELOCITIES
+from fsipetsc.scheme.plan import SAID_STOP
 from fsipetsc.scheme.runge_kutta import STAGES, Found
-from fsipetsc.state import FAULT, State
+from fsipetsc.state import FAULT, Seen, State
 
 #: by order: how much shorter steps are with dissipation of strength 1 at shocks. That alone is a
 #: number of -1.6 at Courant number 0.8, of 2.785 that the classical method bears; next to the ends
@@ -58,14 +45,13 @@ class BlockState(State):
     recorded: nodes to be recorded at each step, which have a name and X. announce: called on rank
     0, with a message, before and after kernels are compiled.
 
-    y: this rank's part of the solution. latest_numbers: those of the last record of a step. bounds:
-    (blocks, 2), largest rates of convection and diffusion [1/s]; extremes: what the monitor finds.
-    h: size of the smallest cells [m]. loose: gases on which a constant force acts node by node.
-    told: solids of which it was said that they are beyond their law.
+    y: this rank's part of the solution. bounds: (blocks, 2), largest rates of convection and
+    diffusion [1/s]; h: size of the smallest cells [m]. loose: gases on which a constant force acts
+    node by node.
     """
 
     MOST_PARTS = 16
-    _filled: tuple[Any] | None = None  # the instant that the data are of
+    _filled: tuple[float, float] | None = None  # the instant that the data are of
 
     def __init__(
         self,
@@ -74,59 +60,56 @@ class BlockState(State):
         order: int,
         form: BlockForm = BlockForm(),  # noqa: B008
         partition: str = "auto",
-        recorded: Sequence[Any] = (),
+        recorded: Sequence[saved.Probe] = (),
         announce: Callable[[str], None] = lambda text: None,
     ) -> None:
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
         self.h = problem.spacing
-        self.shocks, self.loose = form.shock > 0.0, loose_gases(problem, form.convection)
-        self.lossy, auxiliary = lossy(problem), gained(problem).itemsize // 8
-        self.layout = BlockLayout(comm, problem, order, self.shocks, partition, auxiliary)
+        self.loose = loose_gases(problem, form.convection)
+        shocks, auxiliary = form.shock > 0.0, saved.gained(problem).itemsize // 8
+        self.layout = BlockLayout(comm, problem, order, shocks, partition, auxiliary)
         self._now = [BlockVector(self.layout) for _ in range(STAGES)]  # the solution, and stages
         self.y = self._now[0]
         size = (self.layout.local_size, None)
         self.solution = PETSc.Vec().createWithArray(self.y.array, size=size, comm=comm)
-        self.recorded = tuple(recorded)
-        record = step_record(problem, len(problem.interfaces), len(self.recorded))
-        self.latest_numbers = self._lay_journal(record)[FLAGS + LIMITS :]
+        self.recorded = recorded
+        self._lay_journal(saved.step_record(problem, len(recorded)))
         self.changing = self.y.array, self.results, self.batch
-        self.extremes = np.zeros(1 + MONITORED * len(problem.blocks))
         self.bounds = np.zeros((len(problem.blocks), 2))
-        found = self._memory(max(1.0, form.shock * PACE_AT_SHOCKS[order]))
-        columns = self.latest.dtype
-        self.phases = Phases(self.layout, order, form, found, columns, announce)
-        self._take_calls(self.phases.calling.library, self.phases.does["plan_next"])
-        self.shapes, self.parts = self.layout.shapes, self.phases.parts
-        self._recorded_here = here_of(self)
-        self._shown = self.y
-        self.told: set[int] = set()
-
-    def _memory(self, pace: float) -> Found:
-        """What steps take and fill; pace: how much shorter they are."""
-        first = slices(self.latest.dtype).get(OF_INTERFACES[0], slice(0, 0))
-        ends = slice(first.start, first.start + len(OF_INTERFACES) * (first.stop - first.start))
-        return Found(
+        at = saved.slices(self.latest.dtype)
+        first, last = (at.get(saved.OF_INTERFACES[k], slice(0, 0)) for k in (0, -1))
+        ends = self.latest_numbers[first.start : last.stop]
+        found = Found(
             y=self.y.array,
             stages=tuple(stage.array for stage in self._now[1:]),
             total=zeros(self.layout.local_size),
-            gain=gain_of(self.problem),
-            extremes=self.extremes,
+            gain=saved.gain_of(problem),
+            extremes=np.zeros(1 + MONITORED * len(problem.blocks)),
             rates=self.bounds,
             results=self.results,
             latest=self.latest_numbers,
-            at_ends=self.latest_numbers[ends].reshape(len(OF_INTERFACES), -1),
-            pace=pace,
+            at_ends=ends.reshape(len(saved.OF_INTERFACES), -1),
+            pace=max(1.0, form.shock * PACE_AT_SHOCKS[order]),
             plan=self.plan,
             time=np.zeros(1),
             stage=np.zeros(2),
             left=np.empty((0, 2), np.int64),  # known once there are parts
         )
+        self.phases = Phases(self.layout, order, form, found, self.latest.dtype, announce)
+        self._take_calls(self.phases.calling.library, self.phases.does["plan_next"])
+        self.shapes, self.parts = self.layout.shapes, self.phases.parts
+        self._noted = [
+            (number, node, row)
+            for number, node in enumerate(recorded)
+            if node.block in self.parts
+            for row in self.parts[node.block].part.rows_among(np.array([node.node])).tolist()
+        ]
+        self._shown = self.y
 
-    # data of the case
-
-    def check_data(self) -> None:
+    def check_data(self, t_end: float | None = None) -> None:
         """Fill the solution with the data of the case at t = 0. InputError for what its functions
-        return, those of exact solutions, conditions and forcing as well.
+        return, those of exact solutions, conditions and forcing as well, and where walls do not
+        have the velocity with which they move until t_end [s].
         """
 
         def fill() -> None:
@@ -135,12 +118,10 @@ class BlockState(State):
                 if part.block.exact is not None:
                     block_values(part.block, "exact", part.X[:, part.owned], 0.0)
             self.set_data(0.0)
+            if t_end is not None:
+                self.phases.particles.prescribed.check_motion(t_end)
 
         together(self.comm, fill)
-
-    def check_motion(self, t_end: float) -> None:
-        """InputError where walls do not have the velocity with which they move until t_end [s]."""
-        together(self.comm, lambda: self.phases.particles.prescribed.check_motion(t_end))
 
     def set_initial(self) -> None:
         """Initial data of all blocks. Grids of gases follow the solids, and J is that of the grid,
@@ -161,25 +142,19 @@ class BlockState(State):
         """Let data be those at time t [s]. InputError the first time; later ones are the fault:
         the rank goes on with the data before, so that others do not wait for its messages.
         """
-        prescribed = self.phases.particles.prescribed
-        if self.phases.asks or self._filled is None:
-            length = self.phases.instant() if prescribed.by_differences else 0.0
-            instant = None if self.phases.steady else (t, length)
-            if self._filled is None or self._filled[0] != instant:
-                try:
-                    prescribed.refresh(t)
-                    for part in self.parts.values():
-                        part.refresh(t)
-                except InputError as error:
-                    if self._filled is None:
-                        raise
-                    self.fault = self.fault or error
-                    self.results[SAID_STOP] = FAULT
-                self._filled = (instant,)
-        if not self.phases.asks:
-            self.phases.fill(t)
-
-    # steps
+        phases, first = self.phases, self._filled is None
+        instant = t, phases.instant() if phases.particles.prescribed.by_differences else 0.0
+        if first or (phases.asks and not phases.steady and instant != self._filled):
+            self._filled = instant
+            try:
+                phases.refresh(t)
+            except InputError as error:
+                if first:
+                    raise
+                self.fault = self.fault or error
+                self.results[SAID_STOP] = FAULT
+        if not phases.asks:
+            phases.fill(t)
 
     @property
     def asks(self) -> bool:
@@ -195,10 +170,8 @@ class BlockState(State):
 
     def phase(self, name: str, n: int, f: np.ndarray | None = None) -> list[Any]:
         now, after = (self._now[k % STAGES].array for k in (n, n + 1))
-        names = {"fulfil": "share impose", "advance": f"stage_{n}", "complete": "monitor"}
-        if name == "data":
-            return self.phases.calls(f"data_{n}", now)
-        return self.phases.calls(names.get(name, name), now, after if f is None else f)
+        numbered = f"{name}_{n}" if name in ("advance", "data") else name
+        return self.phases.calls(numbered, now, after if f is None else f)
 
     def show(self, n: int) -> None:
         self._shown = self._now[n % STAGES]
@@ -207,7 +180,7 @@ class BlockState(State):
     def complete(self) -> None:
         super().complete()
         self._do("inside", STAGES)
-        note_nodes(self, self._recorded_here)
+        saved.note_nodes(self, self._noted)
 
     def begin(self) -> None:
         for gas in self.phases.gases:
@@ -218,10 +191,8 @@ class BlockState(State):
 
     def repeat(self, look: Callable[[], Any]) -> Any:
         """As of any state; Python is asked for recorded data, as it says what is wrong."""
-        self.phases.asks, self._filled = not self.phases.steady, ((np.inf, 0.0),)
+        self.phases.asks, self._filled = not self.phases.steady, (np.inf, 0.0)
         return super().repeat(look)
-
-    # checkpoints
 
     def more(self) -> Mapping[str, np.ndarray]:
         """The auxiliary unknowns of all ranks, added up, by the name that files have."""
@@ -232,9 +203,60 @@ class BlockState(State):
         behind = arrays["behind"]  # asked for on all ranks, so that all fail alike
         self.y.auxiliary[:] = behind if self.comm.rank == 0 else 0.0
 
-    # what is saved and said
+    def header(self) -> dict[str, Any]:
+        """What a result file says of blocks, interfaces, and nodes recorded at each step."""
+        found, problem = super().header(), self.problem
+        interfaces = range(len(problem.interfaces))
+        for layer, block in zip(found["layers"], problem.blocks, strict=True):
+            layer["periodic"] = list(block.periodic)[::-1]
+        return {
+            **found,
+            "interface_faces": [problem.interface_faces(n)[0] for n in interfaces],
+            "faces": problem.face_names,
+            "symmetry": problem.symmetry,
+            "points": [[problem.blocks[one.block].name, list(one.X)] for one in self.recorded],
+        }
 
-    header, grids, seen, compared, powers = header, grids, seen, compared, powers
+    def grids(self) -> list[dict[str, Any]]:
+        places, natural = self.problem.places, self.layout.natural
+        every = enumerate(self.shapes)
+        return [{"n": math.prod(shape), "X": places(k, natural(k))} for k, shape in every]
+
+    def seen(self) -> Iterator[Seen]:
+        """Values at this rank's nodes, block by block."""
+        problem, d = self.problem, self.problem.dimension
+        for k, part in self.parts.items():
+            columns = dict(zip(part.names, self.saved(k).T, strict=True))
+            names = "J", "rho", *VELOCITIES[:d], "T"
+            if part.block.kind == "solid":  # T of a law of J < 0 is no number: J says more
+                columns["J"] = part.volume_ratio
+                names = "J", *PLACES[:d], *VELOCITIES[:d], "T"
+            values, numbers = {name: columns[name] for name in names}, part.part.numbers
+            x = np.stack([columns[name] for name in PLACES[:d]], axis=1)
+            yield Seen(k, numbers, values, x, problem.places(k, numbers))
+
+    def compared(self, kind: str) -> tuple[str, ...]:
+        """What is compared of a kind of block: stresses where all solids have an exact_stress."""
+        blocks, d = self.problem.blocks, self.problem.dimension
+        unknowns = names_of(kind, "exact", d)
+        if kind == "fluid" or any(b.exact_stress is None for b in blocks if b.kind == kind):
+            return unknowns
+        return (*unknowns, *(n for n in saved.fields_of(kind, d) if n.startswith(("s_", "sigma"))))
+
+    def powers(self, k: int, names: Sequence[str], t: float, power: int) -> np.ndarray:
+        """Of this rank's nodes of block k sum w |difference|^power at time t [s], with w = H times
+        J of the reference map. InputError.
+        """
+        part = self.parts[k]
+        block, X = part.block, part.X[:, part.owned]
+        exact = block_values(block, "exact", X, t)
+        if len(names) > len(exact):
+            where = f"exact of block '{block.name}' at t = {t:.6g}"
+            exact += checked(block.exact_stress, (*X, t), X, names[len(exact) :], where)
+        known = dict(zip(part.names, self.saved(k).T, strict=True))
+        w = part.weights * part.reference / (X[-1] ** self.problem.symmetry)
+        pairs = zip(names, exact, strict=True)
+        return np.array([np.sum(w * np.abs(known[name] - value) ** power) for name, value in pairs])
 
     def owned(self, k: int) -> np.ndarray:
         return self.y.owned(k)
@@ -243,7 +265,8 @@ class BlockState(State):
         return self.parts[k].part.numbers if k in self.parts else np.empty(0, np.int64)
 
     def fields(self, k: int) -> Sequence[str]:
-        return fields_of(self.problem.blocks[k].kind, self.problem.dimension, self.problem.symmetry)
+        block = self.problem.blocks[k]
+        return saved.fields_of(block.kind, block.dimension, self.problem.symmetry)
 
     @property
     def invariants(self) -> dict[str, Any]:
@@ -253,17 +276,7 @@ class BlockState(State):
 
     @property
     def points(self) -> int:
-        """The number of nodes of all blocks."""
-        return sum(int(np.prod(shape)) for shape in self.shapes)
-
-    @property
-    def places(self) -> list[float]:
-        """Positions x [m] of the interfaces, in one dimension. Collective."""
-        found = np.zeros(len(self.problem.interfaces) * (self.problem.dimension == 1))
-        for number, k, row, X in self.layout.interface_ends():
-            found[number] = X + self.y.owned(k)[row, 0]
-        self.comm.Allreduce(MPI.IN_PLACE, found)
-        return found.tolist()
+        return sum(map(math.prod, self.shapes))
 
     def saved(self, k: int) -> np.ndarray:
         """(M, columns) of ``fields``: what is saved of this rank's nodes of block k."""
@@ -273,11 +286,10 @@ class BlockState(State):
         """What is saved of this rank's nodes: number of a block -> (local, columns), to be copied
         before the next call (RunWriter.write_frame). Collective."""
         none = [np.empty((0, len(self.fields(k)))) for k in range(len(self.shapes))]
-        saved = [self.saved(k) if k in self.parts else array for k, array in enumerate(none)]
-        return {k: self.layout.in_order(k, array) for k, array in enumerate(saved)}
+        here = [self.saved(k) if k in self.parts else array for k, array in enumerate(none)]
+        return {k: self.layout.in_order(k, array) for k, array in enumerate(here)}
 
     def destroy(self) -> None:
-        """Free messages and vectors."""
         self.phases.destroy()
         self.solution.destroy()
         self.layout.destroy()

@@ -2,7 +2,7 @@
 fsipetsc.scheme.face_kernels.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -13,13 +13,13 @@ from fsipetsc.blocks.block_problem import Meeting
 from fsipetsc.blocks.conditions import COLUMNS, VECTORS, Condition
 from fsipetsc.blocks.face_formulas import Effect
 from fsipetsc.blocks.metrics import Wide, cube_of
-from fsipetsc.checks import checked, datum, place_text
+from fsipetsc.checks import checked, place_text
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.symbols import numbers_of
+from fsipetsc.kernels.symbols import Symbol, numbers_of
 from fsipetsc.parallel.block_layout import Part
 from fsipetsc.scheme.face_kernels import GasFaces, Group, SolidFaces, Turned
 from fsipetsc.scheme.part import Nothing
-from fsipetsc.scheme.recorded_data import Recorder, asked, positive
+from fsipetsc.scheme.recorded_data import Source, asked, positive, source
 
 Array = NDArray[Any]
 #: data that must be above 0
@@ -29,7 +29,7 @@ ABOVE_0 = "rho", "T", "slip_length"
 class FaceTerms:
     """Terms of the faces of one part of a block that have a condition, or interfaces with jumps.
 
-    X: (d, ghosted nodes) places in the reference map. record: for procedures, once `refresh` has
+    X: (d, ghosted nodes) places in the reference map. record: for procedures, once its sources have
     filled it.
 
     In three dimensions, and around an axis or a centre, the pressure p_ref under which a solid is
@@ -42,7 +42,7 @@ class FaceTerms:
         k, d, self._jumps = part.k, problem.dimension, problem.jumps
         block = problem.blocks[k]
         self._d, self._gas, self.p_ref = d, block.kind == "fluid", _left_out(problem, k)
-        self._faces: list[tuple[Any, Array, slice]] = []  # those without nodes here as well
+        self.sources, self._slips = list[Source](), list[tuple[Array, slice, Array]]()
         acting = _acting(problem, k)
         self.record: Any = Nothing()
         if not acting:  # on all ranks of the block, for these record the same
@@ -61,17 +61,17 @@ class FaceTerms:
             self.record = GasFaces(*nodes, np.zeros((n, d + 2)), *numbers, groups)
         else:
             self.record = SolidFaces(*nodes, vectors[0], *numbers, vectors[1], X, (), groups)
-        self._spacing = np.zeros(n)  # from nodes of walls with a slip length to those beside
         end, turned = 0, []
         for (axis, side, condition, effect), (_, own, *_) in zip(acting, listed, strict=True):
             where, end = slice(end, end + own.size), end + own.size
             if d == 3 and not self._gas:
                 turned.append(_turned(problem, part, order, axis, side, where))
-            self._faces.append((condition, problem.places(k, part.numbers[own]), where))
+            X = problem.places(k, part.numbers[own])
+            self._take(condition, X, where)
             if not isinstance(condition, Meeting) and condition.slip_length is not None:
                 step = int(np.prod(block.shape[:axis])) * (-1 if side else 1)
-                here, beside = (problem.places(k, part.numbers[own] + m) for m in (0, step))
-                self._spacing[where] = np.linalg.norm(here - beside, axis=1)
+                beside = problem.places(k, part.numbers[own] + step)
+                self._slips.append((X, where, np.linalg.norm(X - beside, axis=1)))
             if effect.first_order:
                 low, high = (block.face_positions(axis, at) for at in (0, 1))
                 self.record.width[where] = np.linalg.norm(high - low, axis=0).mean()
@@ -79,58 +79,38 @@ class FaceTerms:
             self._cubes, faces = zip(*turned)  # what addresses of the faces point to
             self.record = self.record._replace(turned=faces)
 
-    def refresh(self, t: float) -> None:
-        """Fill the record with data at time t [s]. InputError."""
-        for condition, X, at in (face for face in self._faces if face[1].size):
-            if isinstance(condition, Meeting):
-                self._supply(X, at, t)
-                continue
-            data = {c: _column(condition, names, X, t) for c, names in _columns(condition)}
-            if condition.slip_length is not None:
-                _check_slip(data["width"], self._spacing[at], X, t)
-            for column, values in data.items():
-                getattr(self.record, column)[at] = values
-            if condition.loaded and self.p_ref != 0.0:
-                self.record.pressure[at] = data.get("pressure", 0.0) - self.p_ref
-
-    def _supply(self, X: Array, at: slice, t: float) -> None:
-        """What an interface supplies from outside, at time t [s], and p_ref of its solid."""
-        if not self._gas and self.p_ref != 0.0:
-            self.record.pressure[at] = -self.p_ref
-        if not self._gas and self._jumps is not None:
-            names = *(f"traction along {x}" for x in "xyz"[: self._d]), "heat"
-            values = checked(self._jumps, (*X.T, t), X.T, names, f"jumps at t = {t:.6g}")
-            self.record.traction[at], self.record.heat[at] = np.stack(values[:-1], -1), values[-1]
-
-    def record_data(self, recorder: Recorder) -> None:
-        """Record all that depends on time, of faces without nodes here as well."""
-        for condition, X, at in self._faces:
-            for make, *targets in self._timed(condition):
-                recorder.add(condition, make, X.T, np.arange(at.start, at.stop), *targets)
-
-    def _timed(self, condition: Any) -> Iterator[tuple[Any, ...]]:
-        """What data of a condition are on symbols, and where they go."""
-        if isinstance(condition, Meeting):
-            if not self._gas and self._jumps is not None:
-                yield self._supplied, self.record.traction, self.record.heat
-            return
-        for column, names in _columns(condition):
-            loaded = column == "pressure" and condition.loaded
-            less = self.p_ref if loaded else 0.0
-            yield partial(_recorded, condition, names, less), getattr(self.record, column)
+    def _take(self, condition: Any, X: Array, at: slice) -> None:
+        """Take the data of a face, with nodes here or without, of which p_ref is a part."""
+        rows, record = np.arange(at.start, at.stop), self.record
+        supplied = isinstance(condition, Meeting)
+        if not self._gas and (supplied or condition.loaded):
+            record.pressure[at] = 0.0 - self.p_ref
+        if supplied and not self._gas and self._jumps is not None:
+            to = record.traction, record.heat
+            self.sources.append(source(condition, self._supplied, X.T, rows, *to))
+        for column, names in () if supplied else COLUMNS.items():
+            if getattr(condition, names[0], None) is not None:
+                less = self.p_ref if column == "pressure" and condition.loaded else 0.0
+                make = partial(_column, condition, names, less)
+                self.sources.append(source(condition, make, X.T, rows, getattr(record, column)))
 
     def _supplied(self, x: Any, t: Any) -> tuple[Any, Any]:
-        """Traction and heat that interfaces get, at symbols."""
-        *traction, heat = numbers_of(self._jumps(*x, t), self._d + 1)
+        """Traction and heat that a solid gets from outside at interfaces, of numbers or symbols."""
+        if isinstance(t, Symbol):
+            *traction, heat = numbers_of(self._jumps(*x, t), self._d + 1)
+        else:
+            names = *(f"traction along {x}" for x in "xyz"[: self._d]), "heat"
+            *traction, heat = checked(self._jumps, (*x, t), x, names, f"jumps at t = {t:.6g}")
         return tuple(traction), heat
 
-
-def _check_slip(length: Array, spacing: Array, X: Array, t: float) -> None:
-    """InputError where a slip length is shorter than a cell, which no step resolves."""
-    if (short := np.flatnonzero(~(length >= spacing))).size:
-        n, where = short[0], f"slip_length of NoSlip at t = {t:.6g}"
-        wanted = f"expected the distance {spacing[n]:.4g} of the nodes beside the wall, or more"
-        raise InputError(f"{where} is {length[n]:.4g} at {place_text(X[n])}: {wanted}")
+    def check(self, t: float) -> None:
+        """InputError where a slip length is shorter than a cell, which no step resolves."""
+        for X, at, spacing in self._slips:
+            length = self.record.width[at]
+            for n in np.flatnonzero(~(length >= spacing))[:1]:
+                where = f"slip_length of NoSlip at t = {t:.6g} is {length[n]:.4g}"
+                wanted = f"the distance {spacing[n]:.4g} of the nodes beside the wall, or more"
+                raise InputError(f"{where} at {place_text(X[n])}: expected {wanted}")
 
 
 def _turned(problem: Any, part: Part, order: int, axis: int, side: int, nodes: slice) -> Any:
@@ -162,28 +142,17 @@ def _left_out(problem: Any, k: int) -> float:
     return float(block.material.p_ref) if left_out else 0.0
 
 
-def _columns(condition: Condition) -> list[tuple[str, tuple[str, ...]]]:
-    """The columns of the record that a condition fills, and the data in them."""
-    every = COLUMNS.items()
-    return [(c, names) for c, names in every if getattr(condition, names[0], None) is not None]
-
-
-def _column(condition: Condition, names: Sequence[str], X: Array, t: float) -> Array:
-    """(n,), or (n, m) of several data, side by side, at time t [s]. InputError."""
-    components = "uvw"[: X.shape[1]]
-    found = [datum(condition, c, X, t, components if c in VECTORS else None) for c in names]
-    return found[0] if len(found) == 1 else np.column_stack(found)
-
-
-def _recorded(condition: Condition, names: Sequence[str], less: float, x: Any, t: Any) -> Any:
-    """The same at symbols, less a number; what must be above 0 and is not is no number."""
+def _column(condition: Condition, names: Sequence[str], less: float, x: Any, t: Any) -> Any:
+    """The data of a condition, side by side if there are several, less a number; of symbols what
+    must be above 0 and is not is no number.
+    """
     found: list[Any] = []
     for name in names:
-        if name in VECTORS:
-            found += asked(condition, name, x, t, len(x))
-        else:
-            value = asked(condition, name, x, t)
-            found.append(positive(value) if name in ABOVE_0 else value)
+        several = "uvw"[: len(x)] if name in VECTORS else ""
+        value = asked(condition, name, x, t, several)
+        if name in ABOVE_0:
+            value = positive(value)
+        found += [*value] if several else [value]
     return (tuple(found),) if len(found) > 1 else (found[0] - less,)
 
 

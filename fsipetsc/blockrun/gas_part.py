@@ -1,13 +1,13 @@
 """A rank's part of a gas block: its record for procedures, its moving grid, what is saved."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.block_part import BlockPart, Recorded
+from fsipetsc.blockrun.block_part import BlockPart
 from fsipetsc.blockrun.face_terms import nodes_of
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem
@@ -16,7 +16,6 @@ from fsipetsc.blocks.grid import motion_of
 from fsipetsc.checks import block_values
 from fsipetsc.equations.vectors import dot
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.procedure import Code
 from fsipetsc.materials.own import check_inverses, knows_entropy
 from fsipetsc.operators.bands import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
@@ -28,7 +27,7 @@ from fsipetsc.scheme.gas_forms import CONSERVED, convection_of
 from fsipetsc.scheme.gas_kernels import gas_kernels
 from fsipetsc.scheme.gas_sweep import gas_volume, row_of
 from fsipetsc.scheme.monitor import COLUMNS, MONITORED
-from fsipetsc.scheme.normals import normals
+from fsipetsc.scheme.normals import normals, turned_faces
 from fsipetsc.scheme.part import Ends, Nothing, images
 from fsipetsc.scheme.radial import Radial, Straight
 from fsipetsc.scheme.sweep import text_of
@@ -46,19 +45,31 @@ class GasPart(BlockPart):
         material = self.block.material
         self.equations = material.equations(self._d, self._problem.symmetry)
         self.viscous = bool(material.mu or material.kappa)
-        self.convection = convection_of(form.convection, self.equations)
         self._sigma = sigma_of(form.dissipation, self._problem.joined)
+        self._check_law(form)
+        self.convection = convection_of(form.convection, self.equations)
         damps = self._sigma > 0.0 or form.shock > 0.0
         around, forces = self._problem.symmetry > 0, any(self.equations.force)
         self.added = damps or around or forces or self.block.forcing is not None
-        self.reads_ghosted = damps or around or not isinstance(self.faces.record, Nothing)
+        self.reads_ghosted = self.reads_ghosted or damps or around
 
-    def follow(self, particles: Sequence[Particle], system: ParticleSystem, faces: Any) -> None:
-        """Let the grid follow the particles that have a solid, or are on walls that move. faces: as
-        ``motion_of`` has them.
+    def _check_law(self, form: Any) -> None:
+        """InputError if the law of the gas lacks what an option needs."""
+        law, owner = self.block.material.gas_law, f"the law of the gas '{self.block.name}'"
+        if isinstance(law, CONSERVED):
+            return
+        if form.convection == "entropy":
+            found = "is not that of a perfect or stiffened gas, whose entropy this conserves"
+            raise InputError(f"-fsi_convection entropy: {owner} {found}: expected auto, divergence")
+        if self._sigma > 0.0 and not knows_entropy(law):
+            lacks = f"{owner} has no formula entropy(rho, T), which -fsi_dissipation needs"
+            raise InputError(f"{lacks}; it is 1 where blocks are joined; -1: no dissipation")
 
+    def follow(self, particles: Sequence[Particle], system: ParticleSystem) -> None:
+        """Let the grid follow the particles that have a solid, or are on walls that move.
         Collective on the block's ranks.
         """
+        faces = turned_faces(self.at_particles, self.part.patch)
         k, blocks = self.part.k, self._problem.blocks
         nodes = np.array(
             [
@@ -85,13 +96,12 @@ class GasPart(BlockPart):
         self.does["find_volumes"]()
         self.reference[:] = self._J
 
-    def _record(self, about: Recorded) -> Code:
+    def _record(self, system: Any, begins: Mapping[str, int]) -> Any:
         number = [block.kind for block in self._problem.blocks[: self.part.k]].count("fluid")
         integrals = does.gas_integrals(self._d)
-        sums = about.begins["mass"] + number, *(about.begins[name] for name in integrals[1:])
-        part, d = self.part, self._d
-        bands, form = part.bands, self._form
-        sigma, shock = self._sigma, form.shock
+        sums = begins["mass"] + number, *(begins[name] for name in integrals[1:])
+        part, d, bands = self.part, self._d, self.part.bands
+        sigma, shock = self._sigma, self._form.shock
         damping: Any = Nothing()
         if sigma > 0.0 or shock > 0.0:
             found = differences(d, self._order, bands, self.block.cells)
@@ -103,7 +113,7 @@ class GasPart(BlockPart):
         room = np.zeros(((d + 1) ** 2, self.X.shape[1])) if self.block.material.mu else None
         around = Radial(self._grid, room)
         record = SimpleNamespace(
-            **self._common(about),
+            **self._common(begins),
             columns=np.array(sums),
             laws=self.equations,
             volume=self.volume,
@@ -126,10 +136,9 @@ class GasPart(BlockPart):
             sums=np.zeros(len(integrals)),
         )
         moving = (does.follow, does.edge, does.move, does.swing, does.turn) if self.moves else ()
-        every = *moving, images, normals, does.rates, does.monitor, does.begin_grid
-        every = *every, does.find_places, does.find_volumes
-        names = {f.__name__: f for f in every}
-        return self._procedures(text_of(made, d, row_of(d), self._order), record, about, names)
+        own = does.rates, does.monitor, does.begin_grid, does.find_places, does.find_volumes
+        text = text_of(made, d, row_of(d), self._order)
+        return text, record, (*moving, images, normals, *own)
 
     def _ends(self) -> Ends:
         """The ends of all axes here, which are none along a periodic axis and at a centre."""
@@ -161,10 +170,6 @@ class GasPart(BlockPart):
         change = (momentum**2 - q[rows, 2 : 2 + d] ** 2).sum(axis=1) / q[rows, 1]
         q[rows, 2 : 2 + d], q[rows, 2 + d] = momentum, q[rows, 2 + d] + 0.5 * change
 
-    def pushes(self, q: Array, rows: Array, axis: int, side: int) -> Array:
-        """(n,) pressure on a face at owned nodes."""
-        return self.equations.primitive(tuple(q[self.owned[rows]].T))[1]
-
     def fields(self, q: Array, rows: slice = slice(None)) -> Array:
         """(…, 2d + 4) what is saved of these rows of the owned nodes: rho, u, T, p, J over that of
         the reference map, x.
@@ -177,31 +182,9 @@ class GasPart(BlockPart):
         return np.stack([w[0], *self.equations.velocity(w), w[2], w[1], q[:, 0] / J, *x], axis=-1)
 
 
-def check_gas_laws(problem: BlockProblem, form: Any) -> None:
-    """InputError if the law of a gas lacks what an option needs; form: see
-    fsipetsc.blockrun.block_state.BlockForm.
-    """
-    dissipates = sigma_of(form.dissipation, problem.joined) > 0.0
-    given = f" {form.dissipation:g}" if form.dissipation else ", which is 1 where blocks are joined"
-    for block in problem.blocks:
-        law = block.material.gas_law if block.kind == "fluid" else None
-        if law is None or isinstance(law, CONSERVED):
-            continue
-        owner = f"the law of the gas '{block.name}'"
-        if form.convection == "entropy":
-            found = "is not that of a perfect or stiffened gas, whose entropy this conserves"
-            raise InputError(f"-fsi_convection entropy: {owner} {found}: expected auto, divergence")
-        if dissipates and not knows_entropy(law):
-            lacks = f"{owner} has no formula entropy(rho, T), which this needs"
-            raise InputError(f"-fsi_dissipation{given}: {lacks}; -1: no dissipation")
-
-
 def loose_gases(problem: BlockProblem, convection: str) -> list[Block]:
     """The gases on which a constant force acts node by node with this -fsi_convection."""
-    found = []
-    for block in problem.blocks:
-        if block.kind == "fluid":
-            gas = block.material.equations(problem.dimension, problem.symmetry)
-            node_by_node = any(gas.force) and not convection_of(convection, gas).raises
-            found += [block] if node_by_node else []
-    return found
+    gases = [block for block in problem.blocks if block.kind == "fluid"]
+    of_gases = [gas.material.equations(problem.dimension, problem.symmetry) for gas in gases]
+    pairs = zip(gases, of_gases, strict=True)
+    return [gas for gas, of in pairs if any(of.force) and not convection_of(convection, of).raises]

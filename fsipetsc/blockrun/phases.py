@@ -1,13 +1,13 @@
 """The phases of a right-hand side on blocks, which read as the method:
 
     share      members add up what is extensive; faces of the gas's grids follow the solids
-    impose     the unknowns obey the conditions
+    fulfil     share, and then the unknowns obey the conditions
     grid       the grids of the gas follow their faces: just before rates, so that no rank waits
     rates      volume terms of each block, what passes open faces, forcing; then the constraints
                of the particles
 
-A phase is a list of calls: procedures of parts and of particles (fsipetsc.kernels.procedure), and
-exchanges between ranks (fsipetsc.parallel.exchange). C makes all calls of a list.
+A phase is a list of calls, which C makes: procedures of parts and of particles
+(fsipetsc.kernels.procedure), and exchanges between ranks (fsipetsc.parallel.exchange).
 """
 
 import math
@@ -18,7 +18,6 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.block_part import Recorded
 from fsipetsc.blockrun.gas_part import GasPart
 from fsipetsc.blockrun.saved import slices
 from fsipetsc.blockrun.solid_part import SolidPart
@@ -30,27 +29,19 @@ from fsipetsc.particles.system import ParticleSystem
 from fsipetsc.process.libraries import libraries
 from fsipetsc.process.together import together
 from fsipetsc.scheme import runge_kutta as stages
-from fsipetsc.scheme.normals import turned_faces
 from fsipetsc.scheme.plan import RATE, plan_next
 from fsipetsc.scheme.recorded_data import Recorder, set_time
 
 Array = NDArray[Any]
-#: names of the procedures of the stages of a step
-STAGES = [f"stage_{number}" for number in range(stages.STAGES)]
 
 
 class Phases:
     """This rank's parts of blocks, the particles they meet in, all procedures of both, and the
-    phases as lists of their calls, each made once. Making one is collective. InputError.
+    phases as lists of their calls. Making one is collective. InputError.
 
     form: fsipetsc.blockrun.block_state.BlockForm. found: what steps take and fill; its left is
-    found here. columns: of the record of a step, the type of `latest` there. announce: called on
-    rank 0, with a message, before and after kernels are compiled.
-
-    parts: block -> this rank's part; gases: those of gas; particles: in which they meet. does:
-    procedures by name, also those between phases (fsipetsc.scheme.runge_kutta). data: code that
-    fills recorded data. asks: some data depend on time, and not all of these are recorded: Python
-    is asked for them. not_recorded: why, on this rank.
+    found here. columns: of the record of a step. asks: some data depend on time, and not all of
+    these are recorded: Python is asked for them. not_recorded: why, on this rank.
     """
 
     def __init__(
@@ -62,26 +53,24 @@ class Phases:
         columns: np.dtype,
         announce: Callable[[str], None],
     ) -> None:
-        self.layout, self.problem, self.found = layout, layout.problem, found
-        problem = layout.problem
-        particles, blocks = particles_of(problem), problem.blocks
+        problem, kinds = layout.problem, {"fluid": GasPart, "solid": SolidPart}
+        self.layout, self.problem, self.found = layout, problem, found
+        self.steady, particles = problem.steady_data, particles_of(problem)
 
-        def make() -> dict[int, GasPart | SolidPart]:
-            kinds = {"fluid": GasPart, "solid": SolidPart}
+        def make() -> dict[int, Any]:
             of = layout.parts.items()
-            return {k: kinds[blocks[k].kind](layout, part, order, form) for k, part in of}
+            return {k: kinds[problem.blocks[k].kind](layout, part, order, form) for k, part in of}
 
         self.parts = together(layout.comm, make)  # a grid or a prestress may be wrong on some ranks
-        self.gases = [part for part in self.parts.values() if isinstance(part, GasPart)]
-        solids = (part for part in self.parts.values() if isinstance(part, SolidPart))
-        inertia = {part.part.k: part.inertia for part in solids}
+        self.gases = [part for part in self.parts.values() if part.block.kind == "fluid"]
+        solids = {k: part for k, part in self.parts.items() if part.block.kind == "solid"}
+        inertia = {k: part.inertia for k, part in solids.items()}
         self.particles = ParticleSystem(layout, particles, inertia, self.instant)
-        self._at_faces = {k: self.particles.faces_at(k) for k in self.parts}
+        for k, part in self.parts.items():
+            part.at_particles = self.particles.faces_at(k)
         for gas in self.gases:
-            faces = turned_faces(self._at_faces[gas.part.k], gas.part.patch)
-            gas.follow(particles, self.particles, faces)
+            gas.follow(particles, self.particles)
         self.found = found._replace(left=self._left())
-        self.steady = problem.steady_data
         self._compile(columns, announce)
         self._lists = self._listed()
 
@@ -105,29 +94,23 @@ class Phases:
 
     def _compile(self, columns: np.dtype, announce: Callable[[str], None]) -> None:
         """Record all procedures, and load them. Collective. InputError."""
-        comm, found = self.layout.comm, self.found
-        about = Recorded(
-            self.particles,
-            found,
-            self._at_faces,
-            {name: at.start for name, at in slices(columns).items()},
-            list(self.layout.interface_ends()),
-        )
-        codes = together(comm, lambda: [part.record(about) for part in self.parts.values()])
+        comm, found, parts = self.layout.comm, self.found, self.parts.values()
+        begins = {name: at.start for name, at in slices(columns).items()}
+        about = self.particles, found, begins
+        codes = together(comm, lambda: [part.record(*about) for part in parts])
         self.calling = calling_code(exchange_text())
-        record = self.calling.procedure
         of_step = stages.begin_monitor, stages.note_extremes, stages.note_gained
-        self.does = {f.__name__: record(f.__name__, f, found) for f in of_step}
-        self.does["clear_gain"] = record("clear_gain", stages.clear_gain, found.gain)
-        self.does["plan_next"] = record("plan_next", plan_next, found.plan)
-        self.does["begin_rates"] = record("begin_rates", stages.begin_stage(None), found)
-        for n, name in enumerate(STAGES):
-            self.does[f"begin_{name}"] = record(f"begin_{name}", stages.begin_stage(n), found)
-            self.does[name] = record(name, stages.advance(n), found)
-            time = set_time(stages.FRACTIONS[n])
-            self.does[f"time_{n}"] = record(f"time_{n}", time, found)
+        wanted: dict[str, Any] = {f.__name__: (f, found) for f in of_step}
+        wanted["clear_gain"] = stages.clear_gain, found.gain
+        wanted["plan_next"] = plan_next, found.plan
+        wanted["begin_rates"] = stages.begin_stage(None), found
+        for n in range(stages.STAGES):
+            wanted[f"begin_{n}"] = stages.begin_stage(n), found
+            wanted[f"stage_{n}"] = stages.advance(n), found
+            wanted[f"time_{n}"] = set_time(stages.FRACTIONS[n]), found
+        self.does = {name: self.calling.procedure(name, *one) for name, one in wanted.items()}
         self._record_data(comm)
-        codes = [*codes, *self.data, self.particles.procedures(found.gain), self.calling]
+        codes += [*self._data, self.particles.procedures(found.gain), self.calling]
         made = libraries(comm, [code.text for code in codes], announce)
         for code, library in zip(codes, made, strict=True):
             code.load(library)
@@ -146,12 +129,10 @@ class Phases:
     def _record_data(self, comm: Any) -> None:
         """Record data that depend on time, if all can be. Collective."""
         having = () if self.steady else (*self.parts.values(), self.particles.prescribed)
-        self._recorders = [Recorder() for _ in having]
-        for part, recorder in zip(having, self._recorders, strict=True):
-            part.record_data(recorder)
+        self._recorders = [Recorder(part.sources) for part in having]
         self._ask(comm, [why for recorder in self._recorders for why in recorder.refused])
         codes = [recorder.code(self.found.time) for recorder in self._recorders if not self.asks]
-        self.data = [code for code in codes if code is not None]
+        self._data = [code for code in codes if code is not None]
 
     def _check_recorded(self, comm: Any) -> None:
         """Let Python be asked if recorded data are not finite at t = 0, as those of a wall that
@@ -164,28 +145,29 @@ class Phases:
 
     def _ask(self, comm: Any, why: list[str]) -> None:
         """Let Python be asked for data if a rank has a reason. Collective."""
-        self.not_recorded = why
-        self.asks = comm.allreduce(bool(why), MPI.LOR)
+        self.not_recorded, self.asks = why, comm.allreduce(bool(why), MPI.LOR)
 
     def fill(self, t: float) -> None:
         """Let C fill the recorded data at time t [s]."""
         self.found.time[0] = t
-        for code in self.data:
+        for code in self._data:
             code.procedures[0]()
 
+    def refresh(self, t: float) -> None:
+        """Let Python fill all data at time t [s]. InputError."""
+        for one in (self.particles.prescribed, *self.parts.values()):
+            one.refresh(t)
+
     def destroy(self) -> None:
-        """Release the messages, before the layout."""
         self.particles.destroy()
         for gas in self.gases:
             gas.gather.destroy()
 
-    def calls(self, phases: str, y: Array, f: Array | None = None) -> list[tuple[Any, Any]]:
-        """Calls of phases, whose names have blanks between: procedure, vectors; f: y if not
-        given.
-        """
-        both, found = (y, y if f is None else f), []
-        for one in (one for name in phases.split() for one in self._lists[name]):
-            procedure, vectors = (one[0], both[1:]) if isinstance(one, tuple) else (one, both)
+    def calls(self, phase: str, y: Array, f: Array) -> list[tuple[Any, Any]]:
+        """Calls of a phase: procedure, vectors."""
+        found = []
+        for one in self._lists[phase]:
+            procedure, vectors = (one[0], (f,)) if isinstance(one, tuple) else (one, (y, f))
             if not getattr(procedure, "empty", False):
                 found.append((procedure, vectors[: len(procedure.vectors)]))
         return found
@@ -213,26 +195,26 @@ class Phases:
             stored += [of_particles.stored, does["weigh_heat"]]
         # where walls slip, conditions change velocities, which grids follow
         imposed = [does["impose_conditions"], *(follow if slips else [])]
+        share = [does["weigh"], sums, does["end_sums"], *follow, *each("edge")]
         move, swing = each("move"), each("swing")
         # what takes long is done just before the rates: ranks need not wait for it
         grid = swing if stored else [*move, *swing]
         found = {
-            "share": [does["weigh"], sums, does["end_sums"], *follow, *each("edge")],
-            "impose": [*normals, *stored, *imposed],
+            "share": share,
+            "fulfil": [*share, *normals, *stored, *imposed],
             "grid": [*move, *swing],
-            "monitor": [does["begin_monitor"], *fill, *grid, *each("monitor"), *reduce,
+            "complete": [does["begin_monitor"], *fill, *grid, *each("monitor"), *reduce,
                 does["note_extremes"], does["note_gained"]],
             "halos": [halos, *inside, *images],
             "inside": [one for one in inside if one not in read],
         }  # fmt: skip
-        for name in ("rates", *STAGES):
-            begin = does[f"begin_{name}"], does["clear_gain"], *fill, *grid, *turned
-            end = (does["weigh"],), sums, does["end_rates"]
-            found[name] = [*begin, *each("rates"), *end]
-        for name in STAGES:
-            found[name].append((does[name],))
-        data = [code.procedures[0] for code in self.data]
-        for n in range(stages.STAGES):  # a stage at the time of that before has its data
+        rates = [does["clear_gain"], *fill, *grid, *turned, *each("rates")]
+        rates += [(does["weigh"],), sums, does["end_rates"]]
+        found["rates"] = [does["begin_rates"], *rates]
+        data = [code.procedures[0] for code in self._data]
+        for n in range(stages.STAGES):
+            found[f"advance_{n}"] = [does[f"begin_{n}"], *rates, (does[f"stage_{n}"],)]
+            # a stage at the time of that before has its data
             new = data and stages.FRACTIONS[n] != stages.FRACTIONS[n - 1]
             found[f"data_{n}"] = [does[f"time_{n}"], *data] if new else []
         return found

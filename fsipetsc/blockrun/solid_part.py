@@ -1,18 +1,18 @@
 """A rank's part of a solid block: metrics, rates, what is saved of it."""
 
+from collections.abc import Mapping
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.block_part import BlockPart, Recorded
+from fsipetsc.blockrun.block_part import BlockPart
 from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.checks import block_values
 from fsipetsc.equations.tensors import add_unit, apply, cofactor
 from fsipetsc.equations.vectors import dot
 from fsipetsc.kernels.arrays import zeros
-from fsipetsc.kernels.procedure import Code
 from fsipetsc.operators.bands import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme import solid_procedures as does
@@ -30,34 +30,26 @@ Array = NDArray[Any]
 class SolidPart(BlockPart):
     """One part of a solid block.
 
-    metrics: (d d + 1, ghosted nodes), A^k and J0; inertia: J0 m0; prestress: (d d, ghosted nodes),
-    or (d d, 0) of a block that has none.
+    metrics: (d d + 1, ghosted nodes), A^k and J0; inertia: J0 m0; reference: J0 of owned nodes;
+    prestress: (d d, ghosted nodes), or (d d, 0) of a block that has none.
     """
 
     def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
         super().__init__(layout, part, order, form)
-        d, kappa, material = self._d, self._problem.symmetry, self.block.material
-        self.equations = material.equations(d, kappa)
+        d = self._d
+        self.equations = self.block.material.equations(d, self._problem.symmetry)
         self.metrics = solid_metrics(self._problem, part.k, order, part.ghosted)
         self.inertia = self.metrics[d * d] * self.equations.m0
-        self._masses = self.weights * self.inertia[self.owned]
-        self._loses = int(self._problem.loses(part.k))
+        self.reference = self.metrics[d * d, self.owned]
         strain = self.equations.unstrained((0.0,) * d)
         self.F = zeros((len(strain), part.numbers.size))
-        self.prestress = np.zeros((self._d**2, 0))  # or (d d, N)
+        self.prestress = np.zeros((self._d**2, 0))
         if self.block.prestress is not None:
             self.prestress = np.array(block_values(self.block, "prestress", self.X, 0.0))
         self._dissipation = self._damping()
         damps = not isinstance(self._dissipation, Nothing)
         self.added = damps or self.block.forcing is not None
-        loaded = not isinstance(self.faces.record, Nothing)
-        self.reads_ghosted = damps or loaded or part.signs.size > 0
-
-    @property
-    def reference(self) -> Array:
-        """(M,) J of the reference map."""
-        J: Array = self.metrics[self._d**2, self.owned]
-        return J
+        self.reads_ghosted = self.reads_ghosted or damps or part.signs.size > 0
 
     def _damping(self) -> Any:
         """What adds the term of all nodes, and after it that of shocks."""
@@ -72,7 +64,6 @@ class SolidPart(BlockPart):
         return found
 
     def initial(self, t: float, q: Array) -> None:
-        """Fill q (M, 2d + 1) with the case's data."""
         d, X = self._d, self.X[:, self.owned]
         values = block_values(self.block, "initial", X, t)
         v, T, x = values[:d], values[d], values[d + 1 :]
@@ -81,8 +72,7 @@ class SolidPart(BlockPart):
         solid = self.equations
         q[:, 2 * d] = solid.alpha * T + 0.5 * sum(c * c for c in v)
         if not solid.coupled:
-            F = self._strain_of_case()
-            stored = 0.0
+            F, stored = self._strain_of_case(), 0.0
             if self.prestress.size:  # S : (F - 1)
                 S = tuple(self._prestress_at(self.owned))
                 stored = dot(S, add_unit(-1.0, tuple(F))) / solid.m0
@@ -96,58 +86,53 @@ class SolidPart(BlockPart):
         places = block_values(self.block, "initial", X, 0.0)[self._d + 1 :]
         for c in range(self._d):
             q[:, c] = (places[c] - X[c]) * np.where(X[c] == self.X[c], 1.0, -1.0)
-        self.monitor(q)
+        self.measure(q)
         return tuple(self.F)
 
     def _prestress_at(self, at: Array) -> Array:
         """(d d, …) of ghosted nodes, 0 if there is none."""
         return self.prestress[:, at] if self.prestress.size else np.zeros((self._d**2, 1))
 
+    def measure(self, q: Array) -> None:
+        """Find F (d d, M), with hoops (2, M), of the owned nodes; q: (N, 2d + 1)."""
+        self.does["measure"](np.ascontiguousarray(q.T).reshape(-1))
+
+    @property
     def volume_ratio(self) -> Array:
         """(M,) det F of the owned nodes, by the last F."""
-        ratio: Array = self.equations.volume(tuple(self.F))
-        return ratio
+        return self.equations.volume(tuple(self.F))
 
-    def monitor(self, q: Array) -> tuple[Array, Array]:
-        """What bounds a step, and the sums of the owned nodes, whose F (d d, M), with hoops (2, M),
-        stays; q: (N, 2d + 1).
-
-        See fsipetsc.scheme.solid_procedures.
-        """
-        self.does["measure"](np.ascontiguousarray(q.T).reshape(-1))
-        return self._record_of_part.seen.copy(), self._record_of_part.sums.copy()
-
-    def _record(self, about: Recorded) -> Code:
+    def _record(self, system: Any, begins: Mapping[str, int]) -> Any:
         part, d = self.part, self._d
-        own = [(number, row, X) for number, k, row, X in about.ends if k == part.k]
-        found = [(*end, self._prestress_at(self.owned[[end[1]]])[0, 0]) for end in own]
-        rows, nodes, _ = about.system.own(part.k, stores=True)
+        ends = [
+            (number, row, X, self._prestress_at(self.owned[[row]])[0, 0])
+            for number, k, row, X in self._layout.interface_ends()
+            if k == part.k
+        ]
+        rows, nodes, _ = system.own(part.k, stores=True)
         self.reads_ghosted = self.reads_ghosted or rows.size > 0
         kernels = solid_kernels(self.equations, d, self._order, self.prestress.size > 0)
-        integrals, begins = does.solid_integrals(d), about.begins
-        self._record_of_part = SimpleNamespace(
-            **self._common(about),
-            columns=np.array(
-                [begins[name] for name in (*integrals, "lost_energy") if name in begins]
-            ),
+        integrals = does.solid_integrals(d)
+        columns = [begins[name] for name in (*integrals, "lost_energy") if name in begins]
+        record = SimpleNamespace(
+            **self._common(begins),
+            columns=np.array(columns),
             volume=solid_volume(self.equations, d, kernels, part.bands, part.patch),
             laws=self.equations,
             dissipation=self._dissipation,
-            loses=bool(self._loses),
+            loses=self._problem.loses(part.k),
             inertia=self.inertia,
             prestress=self.prestress if self.prestress.size else None,
             room=np.zeros((MONITORED + len(integrals), part.patch.own[0])),
-            masses=self._masses,
+            masses=self.weights * self.inertia[self.owned],
             F=self.F,
             sums=np.zeros(len(integrals) + 1),
-            interfaces=np.array(found, float).reshape(-1, 4),
+            interfaces=np.array(ends, float).reshape(-1, 4),
             stored_at=part.patch.ghosted_rows(part.rows(nodes)),
             rows_of_stored=rows,
         )
-        every = images, normals, does.store, does.rates, does.monitor, does.measure, does.stressed
-        functions = {f.__name__: f for f in every}
-        text = text_of(kernels, d, WIDTH, self._order)
-        return self._procedures(text, self._record_of_part, about, functions)
+        own = does.store, does.rates, does.monitor, does.measure, does.stressed
+        return text_of(kernels, d, WIDTH, self._order), record, (images, normals, *own)
 
     def normals(self, rows: Any, axis: int, side: int) -> Array:
         """(n, d) unit normals out of the solid of a face as it is at owned nodes, by the last F."""
@@ -166,20 +151,11 @@ class SolidPart(BlockPart):
         (T, p), stress, hoops = np.split(found[:, rows], [2, 2 + d * d])
         return T, p, stress.reshape(d, d, -1) - self.faces.p_ref * np.eye(d)[..., None], hoops
 
-    def stresses(self, q: Array, rows: Any) -> Array:
-        """(n, d, d) Cauchy stress of owned nodes, by the last F."""
-        return np.moveaxis(self.stressed(q, rows)[2], -1, 0)
-
-    def pushes(self, q: Array, rows: Any, axis: int, side: int) -> Array:
-        """(n,) minus the normal stress on a face at owned nodes."""
-        n = self.normals(rows, axis, side)
-        return -np.einsum("ni,nij,nj->n", n, self.stresses(q, rows), n)
-
     def fields(self, q: Array, rows: slice = slice(None)) -> Array:
         """(…, …) what is saved of these rows of the owned nodes: v, T, Cauchy stress, x; in one
         dimension its part sigma, and p after x; then sigma_theta of hoops.
         """
-        self.monitor(q)
+        self.measure(q)
         d, nodes = self._d, self.owned[rows]
         T, p, stress, hoops = self.stressed(q, rows)
         v, x = q[nodes, d : 2 * d].T, self.X[:, nodes] + q[nodes, :d].T

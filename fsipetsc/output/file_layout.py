@@ -21,7 +21,7 @@ checksums (format of HDF5 1.10): a changed byte there is an error and not a cras
 
 A checkpoint, which is numbers and a text and never code, has
 
-    512 bytes        "fsipetsc checkpoint 6", the SHA-256 and the length of all that follows
+    512 bytes        "fsipetsc checkpoint 7", the SHA-256 and the length of all that follows
     an HDF5 file     header, JSON text; arrays/NAME for each array
 
 HDF5 passes over the first 512 bytes, so h5dump and h5py open the file as it is. The checksum is of
@@ -49,7 +49,7 @@ FORMAT, VERSION = "fsipetsc result", 4
 NAMES = "names"  # attribute of the group of series: their names
 LIBVER = ("v110", "v110")
 _MAGIC = b"fsipetsc checkpoint "
-_CHECKPOINT = 6  # version
+_CHECKPOINT = 7  # version
 _HEAD = 512  # bytes: HDF5 looks for its own beginning at this place, too
 
 

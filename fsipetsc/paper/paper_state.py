@@ -178,14 +178,9 @@ class PaperState(State):
 
     @property
     def points(self) -> int:
-        """The number of active points of all layers, as it is known on this rank."""
+        """The number of active points of all layers. Collective."""
+        self._learn_frames()
         return int((self.records["hi"] - self.records["lo"] + 1).sum())
-
-    @property
-    def places(self) -> list[float]:
-        """Positions x [m] of the interfaces."""
-        self._learn_frames()  # so that the points are known
-        return self.latest["x_interface"].tolist()
 
     def _learn_frames(self) -> None:
         """Let all ranks know where the grids of layers lie, and how they move."""
@@ -260,8 +255,9 @@ class PaperState(State):
             self.fault = self.fault or error
             self.results[SAID_STOP] = FAULT
 
-    def check_data(self) -> None:
-        """Fill the solution, not projected, with initial data, and ask for all else at t = 0.
+    def check_data(self, t_end: float | None = None) -> None:
+        """Fill the solution, not projected, with initial data, and ask for all else at t = 0; walls
+        are at rest.
 
         InputError, on all ranks, where something is not what it must be.
         """
@@ -274,9 +270,6 @@ class PaperState(State):
         together(self.comm, fill)
         self.set_data(0.0)
         agree(self.comm, self.fault)
-
-    def check_motion(self, t_end: float) -> None:
-        """Do nothing: walls are at rest (fsipetsc.paper.layers.check_form)."""
 
     def set_initial(self) -> None:
         """Initial data of all layers, projected. InputError."""

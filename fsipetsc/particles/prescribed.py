@@ -14,11 +14,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.checks import datum, names_of, place_text
+from fsipetsc.checks import names_of, place_text
 from fsipetsc.errors import InputError, place_of
 from fsipetsc.kernels.symbols import Symbol, derivatives
 from fsipetsc.particles.members import Face, Particle
-from fsipetsc.scheme.recorded_data import Make, Recorder, asked, positive
+from fsipetsc.scheme.recorded_data import Make, Source, asked, positive, source
 
 Array = NDArray[Any]
 #: part of the larger one by which velocities that meet may differ; part of the velocity of a wall
@@ -65,9 +65,10 @@ class Prescribed:
         first = (particle.members[0] for particle in particles)
         places = [problem.places(k, np.array([node]))[0] for k, node in first]
         self._x = np.array(places).reshape(n, d)
-        #: condition, numbers of its particles, formula (x, t) of numbers or symbols, where these go
-        self._sources = list(self._sources_of())
-        self.by_differences = any(_has_motion(condition) for condition, *_ in self._sources)
+        self.sources, self.by_differences = list[Source](), False
+        for condition, who, make, targets in self._sources_of():
+            self.sources.append(source(condition, make, self._x[who].T, who, *targets))
+            self.by_differences |= _has_motion(condition)
 
     def _grouped(self, name: str) -> list[tuple[Any, Array]]:
         """(condition, numbers of its particles), for each condition of this name."""
@@ -79,7 +80,9 @@ class Prescribed:
         return [(condition, np.array(who)) for condition, who in found.values()]
 
     def _sources_of(self) -> Iterator[tuple[Any, Array, Make, tuple[Array, ...]]]:
-        """Where data come from; what comes later holds."""
+        """Where data come from: condition, numbers of its particles, formula (x, t) of numbers or
+        symbols, where these go. What comes later holds.
+        """
         out, problem, grouped = self.data, self._problem, self._grouped
         walls = sorted(grouped("slip") + grouped("wall"), key=lambda group: group[0].moves)
         walls += [(c, who) for c, who in grouped("given_gas") if c.moves]
@@ -97,14 +100,8 @@ class Prescribed:
 
     def refresh(self, t: float) -> None:
         """Data at time t [s]. InputError."""
-        for _, who, make, targets in self._sources:
-            for target, values in zip(targets, make(self._x[who].T, t), strict=True):
-                target[who] = np.transpose(values)
-
-    def record_data(self, recorder: Recorder) -> None:
-        """Record all that depends on time."""
-        for condition, who, make, targets in self._sources:
-            recorder.add(condition, make, self._x[who].T, who, *targets)
+        for one in self.sources:
+            one.fill(t)
 
     def check_motion(self, t_end: float) -> None:
         """InputError where, at some times in 0 … t_end [s], two conditions want velocities that
@@ -195,15 +192,6 @@ class Prescribed:
                 )
 
 
-def _asked(condition: Any, name: str, x: Any, t: Any, names: Sequence[str] = ()) -> Any:
-    """A datum at places x, of d components, and a time: a number, or one for each name. InputError
-    or NotRecorded.
-    """
-    if isinstance(t, Symbol):
-        return asked(condition, name, x, t, len(names))
-    return datum(condition, name, np.transpose(x), t, names or None).T
-
-
 def _less(a: Any, b: Any) -> tuple[Any, ...]:
     """a - b by components."""
     return tuple(map(np.subtract, a, b))
@@ -216,10 +204,10 @@ def motion(condition: Any, instant: Callable[[], float], x: Any, t: Any) -> Sequ
     given, d = condition.velocity is not None, len(x)
 
     def place(t: Any) -> Any:
-        return _asked(condition, "x", x, t, "xyz"[:d]) if condition.moves else x
+        return asked(condition, "x", x, t, "xyz"[:d]) if condition.moves else x
 
     def velocity(t: Any) -> Any:
-        return _asked(condition, "velocity", x, t, "uvw"[:d])
+        return asked(condition, "velocity", x, t, "uvw"[:d])
 
     if isinstance(t, Symbol):
         v = velocity(t) if given else derivatives(place(t), t, still=True)
@@ -235,12 +223,12 @@ def motion(condition: Any, instant: Callable[[], float], x: Any, t: Any) -> Sequ
 
 def temperature(condition: Any, x: Any, t: Any) -> Sequence[Any]:
     """That of a wall."""
-    return (positive(_asked(condition, "T", x, t)),)
+    return (positive(asked(condition, "T", x, t)),)
 
 
 def gas_of(condition: Any, law: Any, x: Any, t: Any) -> Sequence[Any]:
     """All unknowns of a gas with this law: (rho, rho u, E)."""
-    rho, *u, T = _asked(condition, "values", x, t, names_of("fluid", "values", len(x)))
+    rho, *u, T = asked(condition, "values", x, t, names_of("fluid", "values", len(x)))
     rho, T = positive(rho), positive(T)
     energy = rho * (law.internal_energy(rho, T) + 0.5 * sum(c * c for c in u))
     return ((rho, *(rho * c for c in u), energy),)
@@ -249,7 +237,7 @@ def gas_of(condition: Any, law: Any, x: Any, t: Any) -> Sequence[Any]:
 def solid_of(condition: Any, x: Any, t: Any) -> Sequence[Any]:
     """All unknowns of a solid: displacement and velocity, temperature."""
     d = len(x)
-    values = _asked(condition, "values", x, t, names_of("solid", "values", d))
+    values = asked(condition, "values", x, t, names_of("solid", "values", d))
     return (*_less(values[d + 1 :], x), *values[:d]), positive(values[d])
 
 

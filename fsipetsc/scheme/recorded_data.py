@@ -15,47 +15,69 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fsipetsc.checks import datum
 from fsipetsc.errors import place_in, reason
 from fsipetsc.kernels.loops import each
 from fsipetsc.kernels.procedure import Code
-from fsipetsc.kernels.symbols import NotRecorded, Record, needed, numbers_of
+from fsipetsc.kernels.symbols import NotRecorded, Record, Symbol, needed, numbers_of
 from fsipetsc.scheme.plan import DT, TIME
 
 Array = NDArray[Any]
 #: a function of more operations is left to Python: the compiler takes 2 to 3 s for so many
 MOST = 500
-#: of places (d symbols) and the time: numbers and tuples of numbers, one for each target
+#: of places (d symbols, or (d, n)) and the time: numbers and tuples of them, one for each target
 Make = Callable[[Any, Any], Sequence[Any]]
 
 
+class Source(NamedTuple):
+    """A function of place and time, and where its values go.
+
+    about: whose it is. x: d arrays (n,), the places; at: (n,) rows of targets, which differ, or
+    None: 0, 1, ….
+    """
+
+    about: str
+    make: Make
+    x: tuple[Array, ...]
+    at: Array | None
+    targets: tuple[Array, ...]
+
+    def fill(self, t: float) -> None:
+        """Fill the targets with data at time t [s], as Python finds them. InputError."""
+        if self.x[0].size:
+            rows = slice(None) if self.at is None else self.at
+            for target, values in zip(self.targets, self.make(np.array(self.x), t), strict=True):
+                target[rows] = np.transpose(values)
+
+
+def source(about: Any, make: Make, x: Array, at: Array | None, *targets: Array) -> Source:
+    """Return the source of data of a condition, or a text, at places x (d, n)."""
+    what = about if isinstance(about, str) else type(about).__name__
+    return Source(what, make, tuple(map(np.ascontiguousarray, x)), at, targets)
+
+
 class Recorder:
-    """What is recorded of the data of a part of a block, or of particles.
+    """What is recorded of sources, of a part of a block or of particles. What does not depend on
+    time needs no record: Python is asked once.
 
     refused: what cannot be recorded, and why.
     """
 
-    def __init__(self) -> None:
-        self._timed, self._about, self.refused = list[Timed](), list[str](), list[str]()
-
-    def add(self, about: Any, make: Make, x: Array, at: Array | None, *targets: Array) -> None:
-        """Record data of ``about``, a condition or a text, at places x (d, n), which go to rows
-        ``at`` of targets. What does not depend on time needs no record: Python is asked once.
-        """
-        what = about if isinstance(about, str) else type(about).__name__
-        try:
-            in_time = depends_on_time(make, len(x))
-        except (Exception, SystemExit) as error:  # of the user's function
-            place = place_in(error)
-            self.refused.append(f"{place}: " * bool(place) + f"{what}: {reason(error)}")
-            return
-        if in_time:
-            self._about.append(what)
-            self._timed.append(Timed(make, tuple(map(np.ascontiguousarray, x)), at, targets))
+    def __init__(self, sources: Sequence[Source]) -> None:
+        self._timed, self.refused = list[Source](), list[str]()
+        for one in sources:
+            try:
+                if depends_on_time(one.make, len(one.x)):
+                    self._timed.append(one)
+            except (Exception, SystemExit) as error:  # of the user's function
+                place = place_in(error)
+                why = f"{place}: " * bool(place) + f"{one.about}: {reason(error)}"
+                self.refused.append(why)
 
     def faulty(self) -> list[str]:
         """Whose data are not finite now."""
-        pairs = zip(self._about, self._timed, strict=True)
-        return [a for a, one in pairs if not all(np.isfinite(v).all() for v in one.targets)]
+        every = ((one.about, value) for one in self._timed for value in one.targets)
+        return [about for about, value in every if not np.isfinite(value).all()]
 
     def code(self, time: Array) -> Code | None:
         """The code whose only procedure fills the data; None if nothing depends on time."""
@@ -78,30 +100,21 @@ def depends_on_time(make: Make, d: int) -> bool:
     return t in set(every)
 
 
-def asked(condition: Any, name: str, x: Any, t: Any, count: int = 0) -> Any:
-    """Ask a condition for a datum at symbols: a number, or so many of them."""
+def asked(condition: Any, name: str, x: Any, t: Any, names: Sequence[str] = ()) -> Any:
+    """A datum of a condition at places x, of d components, and a time, numbers or symbols: a
+    number, or one for each name. InputError or NotRecorded.
+    """
+    if not isinstance(t, Symbol):
+        return datum(condition, name, np.transpose(x), t, names or None).T
     of = getattr(condition, name)
     if not callable(of):
         return of
-    return numbers_of(of(*x, t), count)
+    return numbers_of(of(*x, t), len(names))
 
 
 def positive(value: Any) -> Any:
     """Return a number that must be above 0, or NaN where it is not."""
     return np.where(value > 0.0, value, np.nan)
-
-
-class Timed(NamedTuple):
-    """A function of place and time, and where its values go.
-
-    make: returns for each target a number or a tuple of numbers, a row. x: d arrays (n,), the
-    places; at: (n,) rows of targets, which differ, or None: 0, 1, ….
-    """
-
-    make: Make
-    x: tuple[Array, ...]
-    at: Array | None
-    targets: tuple[Array, ...]
 
 
 def set_data(timed, time):

@@ -8,7 +8,6 @@ import re
 import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from fsipetsc import cases
 from fsipetsc.cases import case_after, options_after
@@ -58,10 +57,9 @@ def sections(command: str, arguments: Sequence[str]) -> dict[str, tuple[Option, 
 
 
 def compile(arguments: list[str], comm: Comm) -> None:
-    """Do the command, with the arguments after its name. Collective. InputError, FileError."""
     case = together(comm, lambda: case_after("compile", arguments))
     options = read_options(case, start_petsc(arguments[1:], comm))
-    from fsipetsc.stepping.solve import build_problem, make_state  # which start PETSc if none has
+    from fsipetsc.stepping.run import build_problem, make_state  # which start PETSc if none has
 
     announce = say if comm.rank == 0 and not options["fsi_quiet"] else lambda text: None
     with make_state(build_problem(case, options, comm), options, comm, announce):
@@ -70,23 +68,21 @@ def compile(arguments: list[str], comm: Comm) -> None:
 
 
 def geometry(arguments: list[str], comm: Comm) -> None:
-    """Do the command, with the arguments after its name. Collective. InputError, FileError."""
     case = together(comm, lambda: case_after("geometry", arguments))
     opt = read_options(case, start_petsc(arguments[1:], comm), _OF_GEOMETRY)
-    from fsipetsc.stepping.solve import build_problem
+    from fsipetsc.stepping.run import build_problem
 
     problem = build_problem(case, opt, comm)
-    together(comm, lambda: _show(case, problem, opt) if comm.rank == 0 else None)
 
+    def show() -> None:
+        found, m = outlines(problem, opt["fsi_h"]), problem.unit("m")
+        rows = geometry_rows(found, m)
+        d, target = problem.dimension, Path(opt["o"] or f"{case.NAME}-geometry.png")
+        axes = [*"XYZ"[: d - 1], "r" if getattr(problem, "symmetry", 0) else "XYZ"[d - 1]]
+        labels = [f"{x} [m]" if m else x for x in axes]
+        drawn = draw_geometry(target, found, f"{case.NAME}: {rows[-1][1]}", labels)
+        if not opt["fsi_quiet"]:
+            say(table(rows))
+            say(f"picture in {drawn}")
 
-def _show(case: Any, problem: Any, opt: dict[str, Any]) -> None:
-    """Print the table, and draw the picture. InputError, FileError."""
-    found, m = outlines(problem, opt["fsi_h"]), problem.unit("m")
-    rows = geometry_rows(found, m)
-    d, target = problem.dimension, Path(opt["o"] or f"{case.NAME}-geometry.png")
-    axes = [*"XYZ"[: d - 1], "r" if getattr(problem, "symmetry", 0) else "XYZ"[d - 1]]
-    labels = [f"{x} [m]" if m else x for x in axes]
-    drawn = draw_geometry(target, found, f"{case.NAME}: {rows[-1][1]}", labels)
-    if not opt["fsi_quiet"]:
-        say(table(rows))
-        say(f"picture in {drawn}")
+    together(comm, show if comm.rank == 0 else lambda: None)

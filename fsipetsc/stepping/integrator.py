@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -11,22 +11,8 @@ from petsc4py import PETSc
 
 from fsipetsc.errors import InputError, clear_frames, petsc_words
 from fsipetsc.process.together import agree
+from fsipetsc.scheme import plan
 from fsipetsc.scheme.observables import INTEGRAL, SERIES
-from fsipetsc.scheme.plan import (
-    ALLOWED,
-    BAD,
-    DT,
-    LONGEST,
-    MADE,
-    NEXT,
-    RATE,
-    SAID_STOP,
-    STOP,
-    TIME,
-    longest_step,
-    next_step,
-    shares,
-)
 from fsipetsc.scheme.runge_kutta import STAGES
 from fsipetsc.state import FAULT, State
 from fsipetsc.stepping.notes import check
@@ -34,8 +20,6 @@ from fsipetsc.stepping.notes import check
 #: what a rank says of STOP that wants a checkpoint, below the numbers of signals. What ranks say
 #: goes round after a step anyway and the largest word counts, so a signal may come to any rank
 CHECKPOINT = 0.5
-#: with -fsi_check: after so many steps at most their records are taken, and conservation is checked
-CHECKED = 256
 #: points of all ranks times steps in one call, so that a signal need not wait
 MOST_POINTS = {1: 250_000, 2: 2_000_000, 3: 2_000_000}
 #: most steps in a batch; between batches signals are answered and progress is shown
@@ -44,48 +28,42 @@ MOST_STEPS = 64
 KEPT = "steps", "rejected", "t", "wall_time", "initial", "saved_at"
 
 
-def saved_times(
-    t_end: float, interval: float | None, times: Sequence[float] | None, unit: str = " s"
-) -> list[float]:
-    """Return times [s] in [0, t_end] at which profiles are saved: every ``interval``, at ``times``,
-    at the end. InputError for times beyond it.
+def saved_times(opt: Mapping[str, Any], unit: str = " s") -> list[float]:
+    """Return the times [s] at which profiles are saved, the last one the end of the run. InputError
+    for times beyond it.
     """
-    saved = set(times or ())
-    if max(saved, default=0.0) > t_end:
-        end = f"the run ends at -ts_max_time {t_end:g}{unit}"
-        raise InputError(f"-fsi_output_times: {max(saved):g}{unit} would not be reached, {end}")
+    end, interval = opt["ts_max_time"], opt["fsi_output_dt"]
+    saved = {*(opt["fsi_output_times"] or ())}
+    if (last := max(saved, default=0.0)) > end:
+        beyond = f"{last:g}{unit} would not be reached, the run ends at -ts_max_time {end:g}{unit}"
+        raise InputError(f"-fsi_output_times: {beyond}")
     if interval is not None:
-        count = math.floor(t_end / interval * (1 + 1e-12))
-        saved.update(min(k * interval, t_end) for k in range(count + 1))
-    return sorted({*saved, t_end})
+        count = math.floor(end / interval * (1 + 1e-12))
+        saved.update(min(k * interval, end) for k in range(count + 1))
+    return sorted({*saved, end})
 
 
 class Integrator:
-    """Integrates a state in time; all methods are collective. What is done with frames, records and
-    checkpoints says a class that inherits from this one.
+    """Integrates a state in time; all methods are collective.
 
-    opt: options in force. saved: times [s] at which there are frames; those of the options if not
-    given. steps, t, wall_time [s] of the loop: reached so far; rejected: steps that were tried
-    again; saved_at: time of the last frame. initial: integrals at t = 0. stop_signal: that which
-    has ended the run, or 0.
+    opt: options in force. steps, t, wall_time [s] of the loop: reached so far; rejected: steps that
+    were tried again; saved_at: time of the last frame. initial: integrals at t = 0. stop_signal:
+    that which has ended the run, or 0. passed, due: after a batch of steps, whether its end is a
+    time to be saved, and whether a checkpoint is wanted: after so many steps, by the clock of rank
+    0, after a signal, and at the end for those who want any.
     """
 
-    def __init__(
-        self, state: State, opt: Mapping[str, Any], saved: Sequence[float] | None = None
-    ) -> None:
+    passed = due = False
+
+    def __init__(self, state: State, opt: Mapping[str, Any]) -> None:
         self.state, self.opt, self.comm = state, opt, state.comm
-        self._recorded = 0  # steps in the journal, at most as many as it has room for
-        self._room = CHECKED if opt["fsi_check"] else len(state.journal)
+        self._recorded = 0  # steps in the journal
         self._signal = 0  # the last one that came to this rank
         self._every, self._wall = opt["fsi_checkpoint_steps"], opt["fsi_checkpoint_wall"]
         self._last_checkpoint = time.monotonic()
-        if saved is None:
-            times = opt["ts_max_time"], opt["fsi_output_dt"], opt["fsi_output_times"]
-            saved = saved_times(*times, state.problem.unit("s"))
-        self._targets = sorted(saved, reverse=True)  # times that are still to be hit
-        self.steps, self.rejected, self.t, self.saved_at = 0, 0, 0.0, -1.0
-        self.wall_time = self._begun = 0.0
-        self.stop_signal = 0
+        self._targets = saved_times(opt, state.problem.unit("s"))[::-1]  # still to be hit
+        self.steps = self.rejected = self.stop_signal = 0
+        self.t, self.saved_at, self.wall_time = 0.0, -1.0, 0.0
         self._fused = opt["ts_type"] == "fused"
         self._watched = PETSc.Options().hasName("ts_monitor")
         self.batch_limit = 1  # most steps in one call
@@ -94,29 +72,8 @@ class Integrator:
             self.batch_limit = max(1, min(MOST_STEPS, most))
         self.initial: dict[str, Any] = {}
 
-    # what is done with results: nothing
-
-    def frame(self) -> None:
-        """A time to be saved is reached. Collective."""
-        self.saved_at = self.t
-
-    def records(self) -> None:
-        """The records of steps must be taken (``take_series``). Collective."""
-        self.take_series()
-
-    def progress(self, dt: float) -> None:
-        """A batch of steps was made, the longest of dt [s]."""
-
-    def checkpoint(self) -> None:
-        """A checkpoint is due: after so many steps, by the clock of rank 0, after a signal, and at
-        the end for those who want any. Collective.
-        """
-
-    # the course of a run
-
     @property
     def complete(self) -> bool:
-        """Whether the end time is reached."""
         return not self._targets
 
     @property
@@ -131,23 +88,20 @@ class Integrator:
         return len(self._targets) < before
 
     def start(self) -> None:
-        """Set the initial data and save the first frame."""
         state = self.state
         state.set_initial()
         state.set_data(self.t)  # with differences in time of the length that a step has
         state.finish()
         check(state, self.t, self.steps)
-        kept = [name for name in state.latest.dtype.names if SERIES[name].kind == INTEGRAL]
-        sums = {name: state.comm.allreduce(state.latest[name]) for name in kept}
-        self.initial = {name: value.tolist() for name, value in sums.items()}
+        for name in state.latest.dtype.names:
+            if SERIES[name].kind == INTEGRAL:
+                self.initial[name] = state.comm.allreduce(state.latest[name]).tolist()
         self._pass()
-        self.frame()
 
     def memory(self) -> dict[str, Any]:
         """Return what ``resume`` needs beside the state; as JSON holds it."""
         kept = {name: getattr(self, name) for name in KEPT}
-        wall_time = self.wall_time + (time.perf_counter() - self._begun)
-        return {**kept, "wall_time": wall_time, "evaluations": self.state.evaluations}
+        return {**kept, "evaluations": self.state.evaluations}
 
     def resume(self, memory: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
         """Be where ``memory`` and ``state.capture()`` told of. InputError if it does not fit."""
@@ -161,25 +115,38 @@ class Integrator:
         """Return the records of steps since the last time, on rank 0 with sums over ranks; not
         copied: the next steps overwrite them.
         """
-        comm, steps, self._recorded = self.state.comm, self.state.journal[: self._recorded], 0
+        comm, steps, self._recorded = self.comm, self.state.journal[: self._recorded], 0
         if comm.size > 1 and len(steps):
-            first = steps.dtype.fields[shares(steps.dtype)[0]][1] // 8  # where shares begin
+            first = steps.dtype.fields[plan.shares(steps.dtype)[0]][1] // 8  # shares begin there
             own = steps.view(np.float64).reshape(len(steps), -1)[:, first:]
             sums = own.copy()
             comm.Reduce(MPI.IN_PLACE if comm.rank == 0 else sums, sums, MPI.SUM, 0)
             own[:] = sums
         return steps
 
-    def run(self) -> None:
-        """Integrate to the end, a signal, or a failure, which is raised."""
-        self._begun, ts = time.perf_counter(), self._create()
+    @property
+    def full(self) -> bool:
+        """Whether the journal has no room for another step."""
+        return self._recorded == len(self.state.journal)
+
+    def run(self) -> Iterator[float]:
+        """Integrate to the end, a signal, or a failure, which is raised; yield after each batch of
+        steps the longest of them [s]. Records of a full journal that nobody takes then are lost.
+        """
+        begun, ts = time.perf_counter() - self.wall_time, self._create()
         try:
             while not self._ended:
                 self._plan_step(ts)
                 self._step(ts)
-                self._after_step()
+                longest = self._note()
+                self.wall_time = time.perf_counter() - begun
+                yield longest
+                if self.full:
+                    self.take_series()
+                if self.due:
+                    self._last_checkpoint = time.monotonic()
         finally:
-            self.wall_time += time.perf_counter() - self._begun
+            self.wall_time = time.perf_counter() - begun
             if self._watched:
                 ts.monitor(self.steps, self.t)
             if self._ended and not self._fused:
@@ -188,7 +155,7 @@ class Integrator:
 
     def _create(self) -> PETSc.TS:
         """Return PETSc's TS, which makes the steps of its own methods, and monitors all."""
-        ts, database = PETSc.TS().create(comm=self.state.comm), PETSc.Options()
+        ts, database = PETSc.TS().create(comm=self.comm), PETSc.Options()
         ts.setProblemType(PETSc.TS.ProblemType.NONLINEAR)
         ts.setRHSFunction(self._right_hand_side)
         ts.setExactFinalTime(PETSc.TS.ExactFinalTime.STEPOVER)
@@ -208,10 +175,10 @@ class Integrator:
     def _plan_step(self, ts: PETSc.TS) -> None:
         opt, state, target = self.opt, self.state, self._targets[-1]
         courant, fixed = opt["fsi_cfl"], opt["ts_dt"] or 0.0
-        bound = longest_step(courant, fixed, float(state.results[RATE]))
-        step, after = next_step(self.t, target, bound)
-        state.results[SAID_STOP] = self._word()
-        left = [opt["ts_max_steps"] - self.steps, self._room - self._recorded]
+        bound = plan.longest_step(courant, fixed, float(state.results[plan.RATE]))
+        step, after = plan.next_step(self.t, target, bound)
+        state.results[plan.SAID_STOP] = self._word()
+        left = [opt["ts_max_steps"] - self.steps, len(state.journal) - self._recorded]
         if self._every:
             left.append(self._every - self.steps % self._every)
         times = self.t, step, after, target, courant, fixed
@@ -228,8 +195,8 @@ class Integrator:
         """Make the step that is planned, or a batch of them; note it, and its time and number."""
         state = self.state
         if self._fused:
-            state.step(self.t, float(state.batch[DT]))
-            if state.results[BAD] and state.MOST_PARTS > 1:
+            state.step(self.t, float(state.batch[plan.DT]))
+            if state.results[plan.BAD] and state.MOST_PARTS > 1:
                 self._make_anew()
         else:
             state.keep()
@@ -240,47 +207,41 @@ class Integrator:
                 cause = (error.__cause__ if isinstance(error, PETSc.Error) else None) or error
                 clear_frames(cause)  # petsc4py loses a TS that somebody else still holds
                 raise cause from None
-            state.set_data(float(state.batch[NEXT]))
+            state.set_data(float(state.batch[plan.NEXT]))
             state.finish()
             state.planning()
-        if state.results[STOP] >= FAULT:  # the step was made with data that are wrong
+        if state.results[plan.STOP] >= FAULT:  # the step was made with data that are wrong
             agree(state.comm, state.fault)
 
     def _make_anew(self) -> None:
         """Go back from an unphysical state: to the steps before the last one, which are made once
         more, or if there are none, to make it in 2, 4 … parts.
         """
-        state, made, parts = self.state, int(self.state.batch[MADE]), 2
+        state, made, parts = self.state, int(self.state.batch[plan.MADE]), 2
         if made > 1:
             state.evaluations -= STAGES * made  # counted when they are made once more
             state.go_back()
-            state.batch[ALLOWED] = made - 1
-            state.step(self.t, float(state.batch[DT]))
+            state.batch[plan.ALLOWED] = made - 1
+            state.step(self.t, float(state.batch[plan.DT]))
             return
-        while state.results[BAD] and parts <= state.MOST_PARTS:
+        while state.results[plan.BAD] and parts <= state.MOST_PARTS:
             state.go_back()
             state.step_in_parts(parts)
             self.rejected += 1
             parts *= 2
 
-    def _after_step(self) -> None:
-        state = self.state
-        self.t, made, dt = state.batch[[TIME, MADE, LONGEST]].tolist()
+    def _note(self) -> float:
+        """Note the batch that was made; returns its longest step [s]."""
+        self.t, made, longest = self.state.batch[[plan.TIME, plan.MADE, plan.LONGEST]].tolist()
         self.steps += int(made)
-        self.progress(dt)
-        stop = float(state.results[STOP])
         self._recorded += int(made) - 1  # the last one only if it is sound
-        check(state, self.t, self.steps)
+        check(self.state, self.t, self.steps)
         self._recorded += 1
-        if self._recorded == self._room:
-            self.records()
-        if self._pass():
-            self.frame()
+        self.passed, stop = self._pass(), float(self.state.results[plan.STOP])
         self.stop_signal = int(stop)
         regular = self._every and self.steps % self._every == 0
-        if stop or regular or (self._ended and (self._every or self._wall)):
-            self.checkpoint()
-            self._last_checkpoint = time.monotonic()
+        self.due = bool(stop or regular or (self._ended and (self._every or self._wall)))
+        return longest
 
     def heed(self, number: int) -> None:
         """End the run in order, by a signal that came to this rank."""

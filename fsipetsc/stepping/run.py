@@ -1,6 +1,9 @@
-"""One run from options to result file, and what it says. Rank 0 speaks."""
+"""From a case and options to its problem, the state of a run, and the result; what a run says.
+Rank 0 speaks.
+"""
 
 import datetime
+import platform
 import shlex
 import signal
 import sys
@@ -8,28 +11,36 @@ import threading
 import time
 import uuid
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from mpi4py import MPI
+from petsc4py import PETSc
 
-from fsipetsc.checks import counted, duration
-from fsipetsc.errors import ComputationError, FsiError, InputError, Interrupted
+from fsipetsc.blockrun.block_state import BlockForm, BlockState
+from fsipetsc.blockrun.saved import chosen
+from fsipetsc.blocks.block_problem import BlockProblem
+from fsipetsc.checks import counted, described, duration
+from fsipetsc.errors import ComputationError, FsiError, InputError, Interrupted, call, place_of
 from fsipetsc.options import read_options
-from fsipetsc.output.file_layout import CheckpointError
+from fsipetsc.output import file_layout
 from fsipetsc.output.geometry_picture import geometry_rows, outlines
 from fsipetsc.output.info import summary_rows, table
 from fsipetsc.output.writer import RunWriter
+from fsipetsc.paper.paper_state import PaperState
+from fsipetsc.problem import Problem, blocks_of_line
+from fsipetsc.process import libraries
 from fsipetsc.process.program import say
+from fsipetsc.process.together import together
 from fsipetsc.scheme.plan import RATE, longest_step
 from fsipetsc.state import State
 from fsipetsc.stepping import restart
 from fsipetsc.stepping.integrator import Integrator
-from fsipetsc.stepping.notes import Ledgers, long_steps, notes
+from fsipetsc.stepping.notes import Ledgers, first_notes, imaginary_waves, long_steps
 from fsipetsc.stepping.restart import Past
-from fsipetsc.stepping.solve import build_problem, make_state
 
 #: before the place of what a run that failed has computed
 REMAINS = "; what was computed before is in "
@@ -37,6 +48,90 @@ REMAINS = "; what was computed before is in "
 USUAL, OFTEN = 30.0, 5.0
 #: by kind of layer: names of the bounds by convection and by diffusion
 _BOUNDS = {"fluid": ("sound", "viscosity and conduction"), "solid": ("waves", "conduction")}
+
+
+def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem | BlockProblem:
+    """Return what the case says for the options in force: layers for the paper's couplings, else
+    blocks. Collective; InputError, with file and line of a user's case file.
+    """
+
+    def build() -> Problem | BlockProblem:
+        problem = call(case.build, (opt,), "build")
+        if isinstance(problem, Problem) and opt["fsi_coupling"] == "conservative":
+            return blocks_of_line(problem, opt["fsi_h"], opt["fsi_order"])
+        if isinstance(problem, (Problem, BlockProblem)):
+            return problem
+        found = "nothing (is its return missing?)" if problem is None else described(problem)
+        expected = "expected a Problem or BlockProblem"
+        raise InputError(f"{place_of(case.build)}: build(opt) returns {found}: {expected}")
+
+    return together(comm, build)
+
+
+def make_state(
+    problem: Problem | BlockProblem,
+    opt: dict[str, Any],
+    comm: MPI.Comm,
+    announce: Callable[[str], None] = lambda text: None,
+) -> PaperState | BlockState:
+    """Return the state that the options in force ask for. Collective.
+
+    announce: called on rank 0, with a message, before and after kernels are compiled. InputError
+    where grid, order and ranks do not fit, or a law cannot be recorded.
+    """
+    libraries.keeps_text = opt["fsi_debug"]
+    if isinstance(problem, BlockProblem):
+        recorded = together(comm, lambda: chosen(problem, opt["fsi_probes"]))
+        of_run = block_form(opt), opt["fsi_partition"], recorded, announce
+        return BlockState(comm, problem, opt["fsi_order"], *of_run)
+    if opt["fsi_probes"]:
+        raise InputError("-fsi_probes is of blocks: here all interfaces are recorded anyway")
+    return PaperState(comm, problem, opt, announce)
+
+
+def block_form(opt: Mapping[str, Any]) -> BlockForm:
+    """Return the form of the equations that is asked for. InputError for another method."""
+    coupling, mapping = ("conservative",), ("auto", "stretched")
+    there = {"fsi_coupling": coupling, "fsi_mapping": mapping, "fsi_viscous": ("wide",)}
+    for name, wanted in there.items():
+        if opt[name] not in wanted:
+            blocks = "this case is made of blocks, as is any with -fsi_coupling conservative"
+            raise InputError(f"-{name} {opt[name]}: {blocks}: expected {' or '.join(wanted)}")
+    return BlockForm(opt["fsi_convection"], opt["fsi_dissipation"], opt["fsi_shock"])
+
+
+def run_given(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> dict[str, Any]:
+    """Run the case with the options that the user gave, from its beginning or a checkpoint.
+
+    Returns the options in force. Collective; raises what ``run_case`` raises.
+    """
+    past = restart.find_past(case, given, comm)
+    options = read_options(case, given, inherited=None if past is None else past.options)
+    if past is not None:
+        past.check_options(options, given)
+    run_case(case, options, comm, past)
+    return options
+
+
+def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | None = None) -> None:
+    """Build the case's problem, integrate it and write its result, or with -fsi_check only say what
+    is found before the first step. Collective on comm.
+
+    past: a checkpoint to go on from. Raises InputError, ComputationError (after writing what was
+    computed), FileError, Interrupted.
+    """
+    problem = build_problem(case, options, comm)
+    quiet = comm.rank > 0 or options["fsi_quiet"]
+    with make_state(problem, options, comm, (lambda text: None) if quiet else say) as state:
+        if past is not None:
+            past.check_problem(state)
+        state.check_data(options["ts_max_time"])  # before there is a file
+        run = Run(case.NAME, options, state, past)
+        if options["fsi_check"]:
+            run.look()
+            return
+        with closing(run.open()), signals_noted(run.heed):
+            run.go()
 
 
 @contextmanager
@@ -52,91 +147,96 @@ def signals_noted(heed: Callable[[int], object]) -> Iterator[None]:
         if number == signal.SIGINT:
             signal.signal(number, signal.SIG_DFL)
 
-    if threading.current_thread() is not threading.main_thread():
+    main = threading.current_thread() is threading.main_thread()  # no other may heed them
+    with ExitStack() as left:
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP) if main else ():
+            if signal.getsignal(number) is not signal.SIG_IGN:
+                left.callback(signal.signal, number, signal.signal(number, note))
         yield
-        return
-    stopping = signal.SIGTERM, signal.SIGINT, signal.SIGHUP
-    heeded = [number for number in stopping if signal.getsignal(number) is not signal.SIG_IGN]
-    earlier = {number: signal.signal(number, note) for number in heeded}
-    try:
-        yield
-    finally:
-        for number, handler in earlier.items():
-            signal.signal(number, handler)
 
 
-def run_given(
-    case: Any, given: Mapping[str, str], comm: MPI.Comm, check: bool = False
-) -> dict[str, Any]:
-    """Run the case with the options that the user gave, from its beginning or a checkpoint.
-
-    Returns the options in force. check: as of ``run_case``. Collective; raises what that raises.
-    """
-    past = restart.find_past(case, given, comm)
-    options = read_options(case, given, inherited=None if past is None else past.options)
-    if past is not None:
-        restart.check_options(past, options, given)
-    run_case(case, options, comm, past, check)
-    return options
-
-
-def run_case(
-    case: Any,
-    options: dict[str, Any],
-    comm: MPI.Comm,
-    past: Past | None = None,
-    check: bool = False,
-) -> None:
-    """Build the case's problem, integrate it and write its result. Collective on comm.
-
-    past: a checkpoint to go on from. check: do what comes before the first step, and say what was
-    found instead of writing a result. Raises InputError, ComputationError (after writing what was
-    computed), FileError, Interrupted.
-    """
-    problem = build_problem(case, options, comm)
-    quiet = comm.rank > 0 or options["fsi_quiet"]
-    state = make_state(problem, options, comm, (lambda text: None) if quiet else say)
-    with state:
-        if past is not None:
-            restart.check_problem(past, state)
-        state.check_data()  # before there is a file
-        state.check_motion(options["ts_max_time"])
-        run = Run(case.NAME, options, state, past)
-        if check:
-            run.look()
-            return
-        writer = run.open()
-        with closing(writer), signals_noted(run.heed):
-            run.go()
-
-
-def bound_of_step(state: State, opt: Mapping[str, Any]) -> str:
-    """Return what bounds the step, as "sound in below"; "" where nothing is known of it."""
-    if opt["ts_dt"]:
-        return "-ts_dt"
-    bounds = state.bounds
-    if not np.isfinite(bounds).all() or not bounds.any():
-        return ""
-    k, which = np.unravel_index(np.argmax(bounds), bounds.shape)
-    layer = state.problem.layers[k]
-    return f"{_BOUNDS[layer.kind][which]} in {layer.name}"
+def versions() -> dict[str, str]:
+    packages = "fsipetsc", "petsc4py", "mpi4py", "numpy"
+    return {
+        **{name: import_module(name).__version__ for name in packages},
+        "python": platform.python_version(),
+        "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
+        "mpi": MPI.Get_library_version().split(",")[0].split("\n")[0],
+    }
 
 
 class Run(Integrator):
     """One run: the steps, with messages, a result, checkpoints, and the laws that must hold."""
 
     writer: RunWriter
+    ledgers: Ledgers
 
     def __init__(self, name: str, opt: Mapping[str, Any], state: State, past: Past | None) -> None:
         super().__init__(state, opt)
         self.name, self.problem, self.past = name, state.problem, past
         self.s = self.problem.unit("s")
-        self.checks = opt["fsi_check"] is not None
-        self.long_steps = list[str]()  # what is to be said of them, here and after a failure
-        self.ledgers = Ledgers({}, {})  # nothing must hold before there is a state
-        self.path = restart.checkpoint_name(opt["fsi_checkpoint"], opt["fsi_output"])
+        self.path = restart.checkpoint_name(opt)
+        self._told: set[int] = set()  # solids of which it was said that they are beyond their law
         self._speaks = self.comm.rank == 0 and not opt["fsi_quiet"]
         self._interval = OFTEN if opt["fsi_progress"] or sys.stdout.isatty() else USUAL
+
+    def line(self, *texts: str) -> None:
+        for text in texts if self._speaks else ():
+            say(text)
+
+    def _say_what_runs(self) -> None:
+        state, h, m = self.state, self.opt["fsi_h"], self.problem.unit("m")
+        other = f" (smallest cells {state.h:.3g}{m})" if abs(state.h - h) > 0.01 * h else ""
+        self.line(
+            f"{self.name}: order {state.op.name}, h = {h:g}{m}{other}, "
+            f"{state.points} points on {counted(self.comm.size, 'rank')}, "
+            f"to t = {self.opt['ts_max_time']:g}{self.s}"
+        )
+
+    def _say_notes(self) -> None:
+        self.line(*(f"note: {text}" for text in first_notes(self.state, self.opt)))
+
+    def look(self) -> None:
+        """Print what the case is made of, notes, and the first step. Collective."""
+        opt, problem = self.opt, self.problem
+        Integrator(self.state, opt).start()
+        self._say_what_runs()
+        self.line(table(geometry_rows(outlines(problem, opt["fsi_h"]), problem.unit("m"))))
+        self._say_notes()
+        rate = float(self.state.results[RATE])
+        dt = float(longest_step(opt["fsi_cfl"], opt["ts_dt"] or 0.0, rate))
+        count = f"{opt['ts_max_time'] / dt:,.0f} like it to the end"
+        self.line(f"first step: {dt:.3g}{self.s}, by {self.bound}; {count}")
+        self.line("checked, and not run")
+
+    @property
+    def bound(self) -> str:
+        """What bounds the step, as "sound in below"; "" where nothing is known of it."""
+        if self.opt["ts_dt"]:
+            return "-ts_dt"
+        bounds = self.state.bounds
+        if not np.isfinite(bounds).all() or not bounds.any():
+            return ""
+        k, which = np.unravel_index(np.argmax(bounds), bounds.shape)
+        layer = self.problem.layers[k]
+        return f"{_BOUNDS[layer.kind][which]} in {layer.name}"
+
+    def _say_progress(self, dt: float) -> None:
+        """Say how far the run is, if that is due."""
+        now = time.monotonic()
+        if not self._speaks or now - self._last[2] < self._interval:
+            return
+        end, most = self.opt["ts_max_time"], self.opt["ts_max_steps"]
+        begin, before, since = self._first
+        part = max((self.t - begin) / (end - begin), (self.steps - before) / (most - before))
+        rate = (self.steps - self._last[1]) / (now - self._last[2])
+        bound = f" by {self.bound}" if self.bound else ""
+        self.line(
+            f"  t = {self.t:.4g} of {end:g}{self.s} ({100 * part:.0f} %), step {self.steps}, "
+            f"dt = {dt:.3g}{self.s}{bound}, {rate:.3g} steps/s, "
+            f"{duration((now - since) * (1.0 / part - 1.0))} left"
+        )
+        self._last = self.t, self.steps, now
 
     def open(self) -> RunWriter:
         """Begin the result, or go on with it. Collective; InputError, FileError."""
@@ -151,7 +251,7 @@ class Run(Integrator):
             "case": self.name,
             "options": dict(self.opt),
             "dimension": self.problem.dimension,
-            "versions": restart.versions(),
+            "versions": versions(),
             "ranks": self.comm.size,
             "interfaces": self.problem.interface_names,
             **self.state.header(),
@@ -164,131 +264,72 @@ class Run(Integrator):
         self.writer = RunWriter(self.comm, self.opt["fsi_output"], *about)
         return self.writer
 
-    # what is said
-
-    def line(self, text: str) -> None:
-        """Print a line."""
-        if self._speaks:
-            say(text)
-
-    def note(self, *said: str) -> None:
-        """Print each as a note."""
-        for text in said:
-            self.line(f"note: {text}")
-
-    def _say_what_runs(self) -> None:
-        state, h, m = self.state, self.opt["fsi_h"], self.problem.unit("m")
-        other = f" (smallest cells {state.h:.3g}{m})" if abs(state.h - h) > 0.01 * h else ""
-        self.line(
-            f"{self.name}: order {state.op.name}, h = {h:g}{m}{other}, "
-            f"{state.points} points on {counted(self.comm.size, 'rank')}, "
-            f"to t = {self.opt['ts_max_time']:g}{self.s}"
-        )
-
-    def look(self) -> None:
-        """Print what the case is made of, notes, and the first step. Collective."""
-        opt, state, problem = self.opt, self.state, self.problem
-        integrator = Integrator(state, opt)
-        integrator.start()
-        self._say_what_runs()
-        self.line(table(geometry_rows(outlines(problem, opt["fsi_h"]), problem.unit("m"))))
-        self.note(*notes(state, "begin"), *long_steps(state, opt))
-        dt = float(longest_step(opt["fsi_cfl"], opt["ts_dt"] or 0.0, float(state.results[RATE])))
-        count = f"{opt['ts_max_time'] / dt:,.0f} like it to the end"
-        self.line(f"first step: {dt:.3g}{self.s}, by {bound_of_step(state, opt)}; {count}")
-        self.line("checked, and not run")
-
-    def progress(self, dt: float) -> None:
-        """Say how far the run is, if that is due."""
-        now = time.monotonic()
-        if not self._speaks or now - self._last[2] < self._interval:
-            return
-        end, most = self.opt["ts_max_time"], self.opt["ts_max_steps"]
-        begin, before, since = self._first
-        part = max((self.t - begin) / (end - begin), (self.steps - before) / (most - before))
-        rate = (self.steps - self._last[1]) / (now - self._last[2])
-        bound = bound_of_step(self.state, self.opt)
-        self.line(
-            f"  t = {self.t:.4g} of {end:g}{self.s} ({100 * part:.0f} %), step {self.steps}, "
-            f"dt = {dt:.3g}{self.s}{f' by {bound}' if bound else ''}, {rate:.3g} steps/s, "
-            f"{duration((now - since) * (1.0 / part - 1.0))} left"
-        )
-        self._last = self.t, self.steps, now
-
-    def _say_the_end(self, summary: Mapping[str, Any], errors: Any, place: str) -> None:
-        norm = self.opt["fsi_norm"]
-        of_kinds = [(f"{norm} errors, {kind}", text) for kind, text in summary_rows(errors or {})]
-        self.line(table([*summary_rows(summary, self.s), *of_kinds]))
-        self.line(f"result in {place}")
-        if summary["status"] == "done":
-            self.line(f"next: python -m fsipetsc plot {shlex.quote(self.opt['fsi_output'])}")
-
-    # what is written
-
     def frame(self) -> None:
-        super().frame()
+        """Save the state, and say whose waves have become imaginary. Collective."""
+        self.saved_at = self.t
         self.writer.write_frame(self.t, self.state.save())
-        self.note(*notes(self.state, "saved", self.t))
-        if self.checks:
-            self._write(self.writer.write_series)
-
-    def records(self) -> None:
-        self._write(self.writer.write_series)
-
-    def _write(self, action: Callable[[], None]) -> None:
-        """Let the writer write. Raise ComputationError on all ranks if a law that must hold, by
-        -fsi_check, does not. Collective.
-        """
-        action()
-        if self.checks and (fault := self.comm.bcast(self.ledgers.fault)):
-            allowed = f"-fsi_check {self.opt['fsi_check']:g} allows no more"
-            raise ComputationError(f"{fault}; {allowed}")
+        found = imaginary_waves(self.state, self.t, self._told)
+        self._told.update(found)
+        self.line(*(f"note: {text}" for text in found.values()))
 
     def _take(self) -> np.ndarray:
         """Return the steps since the last time, of which the ledgers learn. Collective."""
         steps = self.take_series()
-        if self.comm.rank == 0:
+        if len(steps) and self.comm.rank == 0:
             self.ledgers.add(steps)
         return steps
 
     def checkpoint(self) -> None:
         """Write all that has been computed, and then the checkpoint that goes on from there."""
-        self._write(self.writer.flush)  # what does not hold is nothing to go on from
-        more = {
+        self.writer.flush()
+        header = {
+            "case": self.name,
+            "options": dict(self.opt),
+            "facts": restart.facts(self.state),
             "run": self.mark,
             "memory": self.memory(),
             "ledgers": self.ledgers.kept,
             "result": [self.writer.nframes, self.writer.rows],
         }
-        restart.write_checkpoint(self.state, self.path, self.name, self.opt, more)
-
-    # the course of the run
+        arrays = self.state.capture()
+        write = file_layout.write_checkpoint
+        together(self.comm, lambda: arrays and write(self.path, header, arrays))
 
     def go(self) -> None:
         """Begin or go on, integrate, and complete the result, also after a failure."""
-        for old, new in self.writer.moved:
-            self.line(f"kept the earlier {old.name} as {new}")
+        self.line(*(f"kept the earlier {a.name} as {b}" for a, b in self.writer.moved))
         failure: FsiError | None = None
         found: dict[str, dict[str, float]] | None = None
         try:
             self._begin()
-            self.run()
+            with closing(self.run()) as batches:
+                for dt in batches:
+                    self._say_progress(dt)
+                    if self.full:
+                        self.writer.write_series()
+                    if self.passed:
+                        self.frame()
+                    if self.due:
+                        self.checkpoint()
             if self.t > self.saved_at:  # ended between two saved times
                 self.frame()
-            self._write(self.writer.flush)  # so that the summary knows what it took
+            self.writer.flush()  # so that the summary knows what it took
             found = self.state.errors(self.t, self.opt["fsi_norm"])
-            self.note(*notes(self.state, "end"))
-        except (ComputationError, InputError, CheckpointError) as error:
-            failure, self.checks = error, False
+        except (ComputationError, InputError, file_layout.CheckpointError) as error:
+            failure = error
             if isinstance(error, ComputationError):
-                error.args = ("; ".join([str(error), *self.long_steps]),)
-            self._write(self.writer.flush)
+                error.args = ("; ".join([str(error), *self._long_steps]),)
+            self.writer.flush()
         number = self.stop_signal
         summary = self._summary(failure)
         self.writer.finish(summary, found, join=not number)  # there may be no time to join it
         path: Path = self.writer.path
         where = f"{self.writer.folder} (opened as {path.name})" if number else str(path)
-        self._say_the_end(summary, found, where)
+        norm, errors = self.opt["fsi_norm"], summary_rows(found or {})
+        of_kinds = [(f"{norm} errors, {kind}", text) for kind, text in errors]
+        self.line(table([*summary_rows(summary, self.s), *of_kinds]), f"result in {where}")
+        if summary["status"] == "done":
+            self.line(f"next: python -m fsipetsc plot {shlex.quote(self.opt['fsi_output'])}")
         if failure is not None:
             failure.args = (f"{failure}{REMAINS}{where}",)
             raise failure
@@ -299,29 +340,28 @@ class Run(Integrator):
 
     def _begin(self) -> None:
         self._say_what_runs()
+        self._long_steps = list[str]()  # what is said of them, at the beginning and after a failure
         if self.past is None:
+            self.ledgers = Ledgers({}, {})  # until there is a state
             self.start()
-            self.long_steps = long_steps(self.state, self.opt)
-            self.note(*notes(self.state, "begin"), *self.long_steps)
-            self._keep_ledgers()
+            self.frame()
+            self.ledgers = Ledgers(self.state.invariants, self.initial)
+            self._long_steps = long_steps(self.state, self.opt)
+            self._say_notes()
         else:
             header = self.past.header
             self.resume(header["memory"], self.past.arrays)
+            self.ledgers = Ledgers(self.state.invariants, self.initial, header["ledgers"])
             when = f"step {self.steps}, t = {self.t:.6g}{self.s}"
             self.line(f"goes on from {self.past.path}: {when}")
-            self._keep_ledgers(header["ledgers"])
             if not self.writer.nframes:  # a file of its own
                 self.frame()
         self._first = self._last = self.t, self.steps, time.monotonic()
 
-    def _keep_ledgers(self, memory: Mapping[str, Any] | None = None) -> None:
-        about = self.state.invariants, self.initial, memory, self.opt["fsi_check"], self.s
-        self.ledgers = Ledgers(*about)
-
     def _summary(self, failure: FsiError | None) -> dict[str, Any]:
         state, ledgers = self.state, self.ledgers
         status = "failed" if failure else "stopped" if self.stop_signal else "done"
-        message = str(failure or "")
+        message, loses = str(failure or ""), "lost_energy" in state.latest.dtype.names
         if status == "done" and not self.complete:
             end = f"-ts_max_time {self.opt['ts_max_time']:g}{self.s}"
             message = f"ended by -ts_max_steps at t = {self.t:g}{self.s}, before {end}"
@@ -332,12 +372,12 @@ class Run(Integrator):
             "steps": self.steps,
             "rejected_steps": self.rejected,
             "rhs_evaluations": state.evaluations,
-            "interfaces": dict(zip(self.problem.interface_names, state.places)),
+            "interfaces": dict(zip(self.problem.interface_names, ledgers.places)),
             "points": state.points,
             "wall_time": self.wall_time,
-            "bound": bound_of_step(state, self.opt),
+            "bound": self.bound,
             "departures": ledgers.departures,
             "J_error": ledgers.J_error,
-            **({"lost_energy": ledgers.lost} if getattr(state, "lossy", False) else {}),
+            **({"lost_energy": ledgers.lost} if loses else {}),
             **{f"initial_{name}": value for name, value in self.initial.items()},
         }

@@ -130,7 +130,7 @@ def measured(
     """The last columns for each number of ranks, on rank 0. Collective. InputError where ranks do
     not fit. teams: number -> communicator; program: as ``targets`` has it.
     """
-    from fsipetsc.stepping.solve import build_problem, make_state
+    from fsipetsc.stepping.run import build_problem, make_state
 
     def on(ranks: int, action: Callable[[], Any]) -> Any:
         here = study.comm.rank < ranks
@@ -145,6 +145,7 @@ def measured(
         return on(n, lambda: step_time(states[n], options, steps))
 
     states = {n: on(n, partial(make, team)) for n, team in teams.items()}
+    points = {n: on(n, lambda n=n: states[n].points) for n in teams}
     sample(min(teams), 2)  # for what is made once
     step = study.comm.bcast(sample(min(teams), 10))
     steps = min(20_000, max(6, round(1e6 * study.opt["bench_seconds"] / (step or 1.0))))
@@ -160,7 +161,7 @@ def measured(
 
     rows: list[list[object]] = []
     for n, own in times.items() if study.comm.rank == 0 else ():
-        of_node = 1e3 * median(own) / (4 * states[n].points)  # four stages
+        of_node = 1e3 * median(own) / (4 * points[n])  # four stages
         other = (f"{median(beside):.4g}", ratio(own, beside)) if program else ("", "")
         speed_up = ratio(times[1], own) if n > 1 and 1 in times else ""
         rows.append([n, f"{median(own):.4g}", f"{of_node:.3g}", *other, speed_up])
@@ -175,10 +176,12 @@ def step_time(state: Any, opt: Mapping[str, Any], count: int) -> float:
 
     from fsipetsc.stepping.integrator import Integrator
 
-    integrator = Integrator(state, {**opt, "ts_max_steps": count}, [opt["ts_max_time"]])
+    nothing = dict.fromkeys(("fsi_output_dt", "fsi_output_times"))
+    integrator = Integrator(state, {**opt, **nothing, "ts_max_steps": count})
     integrator.start()
     state.comm.Barrier()
-    integrator.run()
+    for _ in integrator.run():
+        pass
     return 1e6 * state.comm.allreduce(integrator.wall_time, MPI.MAX) / integrator.steps
 
 

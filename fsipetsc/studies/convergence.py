@@ -52,8 +52,7 @@ def convergence(arguments: list[str], comm: Comm) -> None:
 
     Raises InputError; ComputationError at the end if a run has failed; FileError.
     """
-    from fsipetsc.stepping.run import REMAINS
-    from fsipetsc.stepping.solve import build_problem
+    from fsipetsc.stepping.run import REMAINS, build_problem
 
     case = together(comm, lambda: case_after("convergence", arguments))
     study = Study(comm, arguments[1:], OPTIONS, f"{case.NAME}-convergence", case)

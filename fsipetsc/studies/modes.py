@@ -45,7 +45,7 @@ def modes(arguments: list[str], comm: Comm) -> None:
     from mpi4py import MPI
 
     from fsipetsc.blockrun.block_state import BlockState
-    from fsipetsc.stepping.solve import block_form, build_problem
+    from fsipetsc.stepping.run import block_form, build_problem
     from fsipetsc.studies.linear import modes_near, radial_modes
 
     case, name = together(comm, lambda: case_after("modes", arguments)), arguments[0]

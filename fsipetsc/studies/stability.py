@@ -196,7 +196,7 @@ def derivatives_near(
     """
     from mpi4py import MPI
 
-    from fsipetsc.stepping.solve import build_problem, make_state
+    from fsipetsc.stepping.run import build_problem, make_state
     from fsipetsc.studies.linear import derivatives
 
     gas, solid, end = state.gas, state.solid, (N - 1) * own["fsi_h"]

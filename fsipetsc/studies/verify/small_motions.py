@@ -17,7 +17,7 @@ from fsipetsc.checks import Array
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.stiffened_gas import stiffened_gas
 from fsipetsc.options import defaults
-from fsipetsc.stepping.solve import build_problem, make_state
+from fsipetsc.stepping.run import build_problem, make_state
 from fsipetsc.studies.linear import column_modes, modes_near, radial_modes
 from fsipetsc.studies.trials import Compared, Trial, entry, reference
 
