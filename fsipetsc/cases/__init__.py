@@ -28,7 +28,8 @@ _FILES = {
     "waves": "heat wave",
     "riemann": "shock tube elastic_piston superseismic",
     "flows": "blast panel oblique step viscous_tube",
-    "bodies": "ring shell disk cylinder nozzle fin",
+    "ring": "ring",
+    "bodies": "shell disk cylinder nozzle fin",
     "manufactured": "box_mms body_mms",
 }
 #: name -> file of every built-in case
@@ -61,7 +62,9 @@ def load_case(name_or_path: str, also: Sequence[str] = ()) -> Any:
     """
     if name_or_path in BUILT_IN:
         file = importlib.import_module(f"fsipetsc.cases.{BUILT_IN[name_or_path]}")
-        return getattr(file, name_or_path)
+        case: Any = getattr(file, name_or_path, file)  # ring.py is a case, and a template
+        case.NAME = name_or_path
+        return case
     if name_or_path.endswith(".py") or os.sep in name_or_path:
         return _load_file(Path(name_or_path))
     if name_or_path.endswith(".h5") and os.path.isfile(name_or_path):

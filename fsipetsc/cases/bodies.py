@@ -1,4 +1,4 @@
-"""Bodies in a gas, on curved blocks: rings, disks, shells, a nozzle, what shocks run over."""
+"""Bodies in a gas, on curved blocks: disks, shells, a nozzle, what shocks run over."""
 
 from functools import partial
 from itertools import product
@@ -19,45 +19,8 @@ from fsipetsc.options import above_one
 
 #: gas before a shock: the unit of velocity is its speed of sound
 AHEAD = GasState(1.4, 0.0, 1.0)
-#: materials of ring and shell
-_ELASTIC = (
-    *materials(fluid_mu=0.0, fluid_kappa=0.0, solid_density=2.0),
-    *materials(solid_mu=1.0, solid_lambda=1.5, solid_law=("neo-hookean", "log", "svk")),
-)
-#: radii [m] of the core of ring and shell, of their sides, of the vessel
+#: radii [m] of the core, the sides and the vessel of the shell
 CORE, INNER, OUTER, VESSEL = 0.4, 1.0, 1.3, 2.0
-
-
-@case(
-    {"fsi_h": 0.025, "fsi_order": 6, "ts_max_time": 3.0, "fsi_output_dt": 0.05},
-    Option("ring_gas", bool, True, "", "gas inside and outside; else the ring is in a vacuum"),
-    Option("ring_pulse", float, 0.5, "Pa", "overpressure; else p is 1", check="nonnegative"),
-    Option("ring_around", int, None, "", "cells around; default: by -fsi_h", check="positive"),
-    *_ELASTIC,
-)
-def ring(opt: Opt) -> BlockProblem:
-    """An elastic ring with gas inside and outside, in two dimensions: gas | ring | gas.
-
-    The gas reaches from a rigid core to a rigid vessel. All begins at rest but for a pulse of
-    pressure in the gas inside. The ring is free of stress under the pressure of the gas.
-    """
-    around = opt["ring_around"] or max(24, 8 * round(2.0 * np.pi * INNER / (32.0 * opt["fsi_h"])))
-    gas = common.gas_of(opt)
-    solid = common.elastic_of(opt, 1.0 if opt["ring_gas"] else 0.0, law=opt["solid_law"])
-
-    def block(name, material, inner, outer, initial):
-        shape = annulus(inner, outer), (common.cells_of(opt, outer - inner), around)
-        return Block(name, material, *shape, initial, periodic=(False, True))
-
-    blocks = (block("ring", solid, INNER, OUTER, common.at_rest()),)
-    faces = {("ring", 0, 0): Free(), ("ring", 0, 1): Free()}
-    if opt["ring_gas"]:
-        pulse = common.pressure_pulse(gas, opt["ring_pulse"], 0.7, 0.0, 0.2)
-        inside = block("inside", gas, CORE, INNER, pulse)
-        outside = block("outside", gas, OUTER, VESSEL, common.constant(1.0, 0.0, 0.0, 1.0))
-        blocks = (inside, *blocks, outside)
-        faces = {("inside", 0, 0): common.wall_for(gas), ("outside", 0, 1): common.wall_for(gas)}
-    return BlockProblem(blocks, faces, units="none")
 
 
 @case(
@@ -65,7 +28,8 @@ def ring(opt: Opt) -> BlockProblem:
     Option("shell_kappa", int, 2, "", "1: around an axis, 2: around a centre", (1, 2)),
     Option("shell_gas", str, "centre", "", "gas inside", ("none", "around", "centre")),
     Option("shell_charge", float, 50.0, "", "T of the charge / T at rest - 1", check="nonnegative"),
-    *_ELASTIC,
+    *materials(fluid_mu=0.0, fluid_kappa=0.0, solid_density=2.0),
+    *materials(solid_mu=1.0, solid_lambda=1.5, solid_law=("neo-hookean", "log", "svk")),
 )
 def shell(opt: Opt) -> BlockProblem:
     """A charge in the middle of an elastic shell, in one dimension: gas | shell | gas in a vessel.

@@ -39,6 +39,7 @@ def new(name: str, given: Mapping[str, str]) -> str:
     if len(given) > 1:
         raise InputError(f"new: {' and '.join(given)} are given: expected one of them")
     template = "".join(["template", *(option.replace("-", "_") for option in given), ".py"])
+    template = "ring.py" if "-blocks" in given else template
     text = Path(cases.__file__).with_name(template).read_text(encoding="utf-8")
     if re.fullmatch(r"[\w./-]+", name):  # as it may stand in the examples
         text = text.replace("FILE.py", name).replace("NAME.", f"{path.stem}.")
