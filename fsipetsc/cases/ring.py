@@ -43,7 +43,7 @@ def build(opt):
     """The problem, for the options in force."""
     p0, h = 1.0 if opt["ring_gas"] else 0.0, opt["fsi_h"]
     gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], gamma=1.4, R=1.0)
-    # mu, lambda, heat conductivity, density, specific heat, the pressure under which it is unstrained
+    # mu, lambda, heat conductivity, density, specific heat, pressure at which it is unstrained
     lame, density = (opt["solid_mu"], opt["solid_lambda"]), opt["solid_density"]
     solid = ElasticSolid(*lame, 0.0, density, 1.0, p0, opt["solid_law"], heat="elastic")
 
