@@ -7,7 +7,6 @@ from fsipetsc import BlockProblem, Fluid, Option, Solid
 from fsipetsc.blocks.conditions import NoSlip, Slip
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.checks import Array
-from fsipetsc.equations.elementary import exp, power
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import above_one
 
@@ -81,19 +80,6 @@ def at_rest(T: float = 1.0) -> Callable[..., Any]:
 def line_at_rest(sigma: float, T: float) -> Callable[[Array], Any]:
     """Initial data of a solid layer under the stress sigma [Pa], of the temperature T [K]."""
     return lambda X: (0.0, sigma, T, X)
-
-
-def pressure_pulse(gas: Fluid, height: float, x: float, y: float, width: float) -> Callable:
-    """Initial data of a gas in a plane: the pressure 1 but for a pulse of a height [Pa] around
-    (x, y) [m], of the same entropy everywhere.
-    """
-
-    def start(X: Array, Y: Array) -> tuple:
-        p = 1.0 + height * exp(-((X - x) ** 2 + (Y - y) ** 2) / width**2)
-        rho = power(p, 1.0 / gas.gamma)
-        return rho, 0.0, 0.0, p / rho
-
-    return start
 
 
 def wall_for(gas: Fluid) -> NoSlip | Slip:

@@ -10,6 +10,7 @@ from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases import case, common
 from fsipetsc.cases.common import SHOCKS, Opt, materials
 from fsipetsc.cases.riemann import GasState, behind_shock, sound
+from fsipetsc.equations.elementary import exp, power
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.sbp import operator
 from fsipetsc.options import above_one
@@ -30,7 +31,12 @@ def blast(opt: Opt) -> BlockProblem:
     """
     gas = common.gas_of(opt)
     plate = common.elastic_of(opt, kappa_e=0.01, law=opt["solid_law"], heat="coupled")
-    start = common.pressure_pulse(gas, opt["blast_height"], 0.5, 0.5, 0.15)
+
+    def start(X, Y):  # of the same entropy everywhere
+        p = 1.0 + opt["blast_height"] * exp(-((X - 0.5) ** 2 + (Y - 0.5) ** 2) / 0.15**2)
+        rho = power(p, 1.0 / gas.gamma)
+        return rho, 0.0, 0.0, p / rho
+
     return common.stack(
         opt,
         Layer("gas", gas, (0.0, 1.0), start, sides=Slip()),

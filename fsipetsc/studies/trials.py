@@ -41,9 +41,7 @@ COLUMNS = "case quantity order h ranks value reference source error rate verdict
 
 
 class Compared(NamedTuple):
-    """A number beside its reference. size: what their distance is divided by; None: by the
-    reference.
-    """
+    """A number beside its reference. size: what their distance is divided by, or None."""
 
     value: complex
     reference: complex
@@ -51,15 +49,14 @@ class Compared(NamedTuple):
 
     @property
     def error(self) -> float:
-        """The distance from the reference over the size."""
+        """The distance from the reference over the size, else over the reference."""
         size = abs(self.reference) if self.size is None else self.size
         return abs(self.value - self.reference) / size
 
 
 class Expected(NamedTuple):
-    """What theory, or somebody else, says of a quantity; None where they say nothing.
-
-    order: of the errors between the two finest grids; error: at most, on the finest grid.
+    """What theory, or somebody else, says of a quantity, or None: the order of the errors between
+    the two finest grids; the largest error on the finest grid.
     """
 
     order: float | None = None
@@ -76,9 +73,8 @@ def round_off(steps: float) -> float:
 
 
 class Row(NamedTuple):
-    """A quantity at an order on each grid: errors, or the numbers that are compared.
-
-    between: the numbers are differences of each grid from the next finer one.
+    """A quantity at an order on each grid: errors, or the numbers that are compared; between: or
+    differences of each grid from the next finer one.
     """
 
     entry: str
@@ -91,7 +87,6 @@ class Row(NamedTuple):
 
     @property
     def errors(self) -> list[float]:
-        """The error on each grid."""
         return [one.error if isinstance(one, Compared) else one for one in self.found]
 
     @property
@@ -120,8 +115,7 @@ class Row(NamedTuple):
         return "holds" if most is not None and error <= most else "falls short"
 
     def lines(self, ranks: int, source: str) -> list[list[object]]:
-        """Of a CSV file, under COLUMNS: one for each grid; norms of errors have no value and no
-        reference."""
+        """Lines of a CSV file under COLUMNS, one for each grid."""
         found, about, rates = [], [self.entry, self.quantity, self.order], ("", *self.observed)
         for h, one, error, rate in zip(self.spacings, self.found, self.errors, rates):
             pair = [f"{v:.12g}" for v in one[:2]] if isinstance(one, Compared) else ["", ""]
@@ -157,9 +151,8 @@ def told(rows: Sequence[Row]) -> str:
 
 
 def picture(title: str, panels: Mapping[str, Mapping[str, Row]], path: Path) -> None:
-    """Errors over grid spacings: a panel for each heading, a line for each label in it; nothing
-    without matplotlib or without rows. FileError.
-    """
+    """Errors over grid spacings: heading of a panel -> label of a line -> row; nothing without
+    matplotlib or rows. FileError."""
     if not any(panels.values()) or find_spec("matplotlib") is None:
         return
     import matplotlib
