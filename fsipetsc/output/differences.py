@@ -82,8 +82,9 @@ def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Co
 
 
 def _on_one_scale(found: list[Difference]) -> Iterator[Difference]:
-    """The same differences, with one scale for all that has one unit, and sqrt(p/rho) for
-    velocities: what is round-off is no scale. A time, and what has no known unit, has its own.
+    """Return the differences with one scale for all that has one unit: fields of pure round-off get
+    that of other fields, and velocities at least sqrt(p/rho). Times and what has no known unit keep
+    their own.
     """
     units = [unit_of(one.name.rpartition(": ")[2]) for one in found]
     units = [one.name if unit in ("", "s") else unit for one, unit in zip(found, units)]

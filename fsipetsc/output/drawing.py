@@ -104,7 +104,7 @@ def labelled(run: Run, label: str, unit: str) -> str:
 
 
 def moment(run: Run, frame: int) -> str:
-    """Return when a frame is, as titles say it."""
+    """Return the time of a frame, as in titles."""
     return f"t = {run.time[frame]:.4g}{' s' * is_si(run)}"
 
 

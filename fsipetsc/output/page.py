@@ -173,11 +173,10 @@ class Panel(NamedTuple):
 
 
 def all_panels(run: Run) -> dict[str, list[Panel]]:
-    """Return what there is to draw of interfaces, of ledgers, and of the steps.
+    """Return the panels of interfaces, of balances, and of the time step.
 
-    Of interfaces in two dimensions deflections come first, that of the largest one before all. Of
-    ledgers the departures from laws come first. Of time steps the largest of some each are drawn,
-    as those before a saved time are shortened.
+    In two dimensions deflections come first, the largest before the others. Departures from laws
+    come before totals. Of some steps each the longest is drawn: those to saved times are shorter.
     """
     found: dict[str, list[Panel]] = {"interfaces": [], "ledgers": [], "steps": []}
     if run.dimension == 2 and run.nframes > 1:
@@ -211,7 +210,7 @@ def all_panels(run: Run) -> dict[str, list[Panel]]:
 
 
 def probed(run: Run, quantities: Sequence[Quantity], places: Sequence[Any]) -> list[Panel]:
-    """Return what the nodes nearest to places have in the saved frames. InputError."""
+    """Return quantities at the nodes nearest to the places, in the saved frames. InputError."""
     if any(len(at) != run.dimension for at in places):
         raise InputError(f"-probes: expected {counted(run.dimension, 'number')} for each place")
     panels = [Panel(q.title, q.unit, run.time, {}) for q in quantities if places]
