@@ -215,10 +215,10 @@ class View:
         """Return places of a frame, horizontal ones and of maps vertical ones, more fields, and
         values. Of three dimensions what lies in the middle of the second axis.
         """
-        fields = {"X": layer.X, **layer.frame(frame)}
+        fields = layer.frame(frame)
         found = [fields[x] for x in ("x", "xy", "xz")[self.run.dimension - 1] + more]
         if layer.kind in self.quantity.labels:
-            found.append(self.quantity.values(layer.kind, fields))
+            found.append(self.quantity.values(layer, fields))
         else:
             found.append(np.full_like(found[0], np.nan))
         for axis in layer.rings if self.run.dimension == 2 else ():  # it ends where it begins

@@ -218,8 +218,8 @@ def probed(run: Run, quantities: Sequence[Quantity], places: Sequence[Any]) -> l
         layers = [layer for layer in run.layers if layer.kind in q.labels]
         away = [np.linalg.norm(layer.places - at, axis=-1) for layer in layers]
         layer, near = min(zip(layers, away), key=lambda of: of[1].min())
-        frames = ({"X": layer.X, **layer.frame(k)} for k in range(run.nframes))
-        values = [q.values(layer.kind, of).flat[np.argmin(near)] for of in frames]
+        frames = map(layer.frame, range(run.nframes))
+        values = [q.values(layer, of).flat[np.argmin(near)] for of in frames]
         panel.curves["at " + ", ".join(f"{x:.4g}" for x in at)] = np.array(values)
     return panels
 

@@ -83,19 +83,18 @@ class Quantity(NamedTuple):
         """Whether its sign means something: not of pressures, densities and temperatures."""
         return "stress" in self.labels[kind] or self.name not in ("p", "rho", "T", "schlieren")
 
-    def values(self, kind: str, fields: Mapping[str, Array]) -> Array:
-        """Return values of it, from the fields of a layer of this kind and X; beside the pressure
-        of gases stands what a solid pushes with, in one dimension, or the mean of its normal
-        stresses.
+    def values(self, layer: Any, fields: Mapping[str, Array]) -> Array:
+        """Return values of it, from the fields of a frame of a layer; beside the pressure of gases
+        stands what a solid pushes with, in one dimension, or the mean of its normal stresses.
         """
-        if self.name == "p" and kind == "solid":
+        if self.name == "p" and layer.kind == "solid":
             if "sigma" in fields:
                 return fields["p"] - fields["sigma"]
             return np.mean([fields[name] for name in _NORMAL if name in fields], axis=0)
         if self.name == "schlieren":
             return np.sqrt(np.linalg.norm(_gradient(fields["rho"], fields), axis=-1))
         if self.name == "strain":  # by differences of second order
-            return np.gradient(fields["x"], fields["X"], axis=-1, edge_order=2) - 1.0
+            return np.gradient(fields["x"], layer.X, edge_order=2) - 1.0
         return fields[self.name]
 
 
