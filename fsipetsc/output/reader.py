@@ -14,7 +14,7 @@ import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -30,9 +30,6 @@ from fsipetsc.output.file_layout import (
     pieces,
     read_about,
 )
-
-if TYPE_CHECKING:
-    import xarray
 
 
 class Run:
@@ -136,7 +133,7 @@ class Run:
         solid, axis, side = self.header["interface_faces"][number]
         return InterfaceLine(names[number], solid, self.layers[solid], axis, side)
 
-    def to_xarray(self) -> xarray.Dataset:
+    def to_xarray(self) -> Any:
         """Return all frames and series as an xarray Dataset, with dimensions, coordinates, units.
 
         Fields are "LAYER.FIELD" of the dimensions time and X_LAYER (in two dimensions time,
@@ -145,8 +142,7 @@ class Run:
         """
         from fsipetsc.output.quantities import to_xarray
 
-        dataset: xarray.Dataset = to_xarray(self)
-        return dataset
+        return to_xarray(self)
 
     def close(self, *_: object) -> None:
         """Do nothing: files are open only while something is read."""
