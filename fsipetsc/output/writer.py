@@ -97,8 +97,8 @@ class RunWriter:
         """Save the fields at time t: of layers, by number, (local, columns) of the points of this
         rank, if it has some. NaN outside the active part. Collective.
         """
-        none = [np.empty((0, width)) for width in self._widths]
-        self._frames.append([np.array(fields.get(k, none[k]), float) for k in range(len(none))])
+        none = {k: np.empty((0, width)) for k, width in enumerate(self._widths)}
+        self._frames.append([np.array(of, float) for of in {**none, **fields}.values()])
         self._times.append(t)
         self.nframes += 1
         if len(self._frames) >= self._capacity or self._late():
@@ -275,11 +275,9 @@ def _plain(data: Mapping[str, Any]) -> dict[str, Any]:
 
 def _mark(file: Path) -> str | None:
     """Return the mark by which a result and its checkpoints know each other, if any."""
-    try:
-        with layout.open_h5(file) as opened:
-            return layout.read_about(opened)["header"].get("run")
-    except Exception:  # it is none, or damaged
-        return None
+    with suppress(FileError):  # it is none, or damaged
+        return open_run(file).header.get("run")
+    return None
 
 
 # the files
