@@ -79,7 +79,11 @@ def summary_rows(summary: Mapping[str, Any], unit: str = "") -> Rows:
     """Return entries of Run.summary, or Run.errors, but for what is empty. unit: what comes after
     a time.
     """
-    written = {"t": lambda t: _text(t) + unit, "wall_time": duration}
+    written = {
+        "t": lambda t: _text(t) + unit,
+        "departures": lambda of: ", ".join(f"{name} {size:.1e}" for name, size in of.items()),
+        "wall_time": duration,
+    }
     known = {name: value for name, value in summary.items() if value not in ("", None, {}, [])}
     shown = (name for name in known if not name.startswith("initial_"))
     return [(name, written.get(name, _text)(known[name])) for name in shown]
