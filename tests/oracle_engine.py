@@ -12,7 +12,7 @@ from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.maps import nodes
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.power_law import power_law
+from fsipetsc.materials.own import transport_law
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.solid_pressure import gruneisen
 from fsipetsc.materials.stiffened_gas import stiffened_gas
@@ -39,7 +39,8 @@ def material_of(m, d):
     force = tuple(m.force) if m.force else ((0.0,) * d if d > 1 else 0.0)
     if m.kind == "gas":
         law = stiffened_gas(m.gamma, m.cv, m.p_inf) if m.p_inf else None
-        transport = power_law(1.0, *m.powers) if any(m.powers) else None
+        factors = [lambda T, n=n: T**n for n in m.powers]
+        transport = transport_law(*factors) if any(m.powers) else None
         return Fluid(m.mu, m.kappa, m.gamma, m.R, law, transport, force)
     more = {"pressing": gruneisen(m.gruneisen)} if m.gruneisen else {}
     return ElasticSolid(

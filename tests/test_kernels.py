@@ -24,8 +24,8 @@ from fsipetsc.kernels import build
 from fsipetsc.kernels.kernel import PLANES, Kernel, numbers_of, unit
 from fsipetsc.kernels.loops import each, number, otherwise, pick, stop, variable, when, whole
 from fsipetsc.kernels.symbols import MADE, Record, Replay, derivatives, exact
-from fsipetsc.materials.perfect_gas import PerfectGas
-from fsipetsc.materials.power_law import ConstantTransport
+from fsipetsc.materials.stiffened_gas import PerfectGas
+from fsipetsc.materials.sutherland import ConstantTransport
 from fsipetsc.scheme.gas_forms import EntropyForm
 from fsipetsc.scheme.gas_kernels import gas_kernels
 from fsipetsc.scheme.sweep import text_of

@@ -95,7 +95,7 @@ class Solution:
         past, moved = self.drift(*where), self.moved(*where)
         x_X, w = tensors.add_unit(1.0, gradient(moved, X)), derivatives(moved, t)
         a, J = tensors.cofactor(x_X), tensors.determinant(x_X)
-        grad_u = scale(1.0 / J, tensors.product_transposed(gradient(u, X), a))
+        grad_u = scale(1.0 / J, tensors.product(gradient(u, X), tensors.transpose(a)))
         grad_T = scale(1.0 / J, tensors.apply(a, gradient((T,), X)))
         tau = scale(fluid.mu, add(grad_u, tensors.transpose(grad_u)))
         tau = tensors.add_unit(-2.0 / 3.0 * fluid.mu * tensors.trace(grad_u), tau)
@@ -115,7 +115,7 @@ class Solution:
         v, F = derivatives(D, t), tensors.add_unit(1.0, gradient(D, X))
         P, c = body.solid_law.stress(F), tensors.cofactor(F)
         scaled = scale(body.kappa_e / tensors.determinant(F), tensors.apply(c, gradient((T,), X)))
-        heat, work = tensors.apply_transposed(c, scaled), dot(P, gradient(v, X))
+        heat, work = tensors.apply(tensors.transpose(c), scaled), dot(P, gradient(v, X))
         flux = [scale(-1.0, (*t_k, h_k)) for t_k, h_k in zip(tensors.columns(P), heat, strict=True)]
         return scale(body.m0, (*v, body.alpha * T)), flux, work
 
@@ -253,7 +253,7 @@ class Disk(Solution):
         """A step of Newton's from the label (X, Y) to that of the place (x, y)."""
         D = self.displacement(X, Y, t)
         F, apart = tensors.add_unit(1.0, gradient(D, (X, Y))), sub(add((X, Y), D), (x, y))
-        change = tensors.apply_transposed(tensors.cofactor(F), apart)
+        change = tensors.apply(tensors.transpose(tensors.cofactor(F)), apart)
         return along((X, Y), -1.0 / tensors.determinant(F), change)
 
     def labels(self, X: Array, Y: Array, t: float) -> Fields:

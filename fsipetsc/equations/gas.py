@@ -163,39 +163,28 @@ class Gas(NamedTuple):
         f = mean(self.flux(l, a_l), self.flux(r, a_r))
         return along(f, -g, mean(self.densities(l), self.densities(r)))
 
-    def pair_flux(self, l, r, a_l, a_r, g):
-        """F of any two nodes; linear in a_l, a_r and g."""
-        rho = logarithmic_mean(l[0], r[0], distance(l[0], r[0], l[-2], r[-2]))
-        T = harmonic_mean(l[2], r[2], distance(l[2], r[2], l[-1], r[-1]))
-        return self.two_point_flux(l, r, mean(a_l, a_r), g, rho, T)
+    def mean_density(self, l, r, near):
+        """rho^ of two nodes; near: pair_distance is at most NEAR, and no logarithm is needed."""
+        z = distance(l[0], r[0], l[-2], r[-2])
+        return (near_mean if near else logarithmic_mean)(l[0], r[0], z)
 
-    def near_pair_flux(self, l, r, a_l, a_r, g):
-        """The same where pair_distance is at most NEAR, in a third of the time: no logarithms."""
-        rho = near_mean(l[0], r[0], distance(l[0], r[0], l[-2], r[-2]))
-        T = near_harmonic_mean(l[2], r[2], distance(l[2], r[2], l[-1], r[-1]))
-        return self.two_point_flux(l, r, mean(a_l, a_r), g, rho, T)
-
-    def pair_force(self, l, r, a_l, a_r, rise):
-        """{a} rho^ (Phi_r - Phi_l)/2 of any two nodes, for both; rise: Phi_r - Phi_l."""
-        rho = logarithmic_mean(l[0], r[0], distance(l[0], r[0], l[-2], r[-2]))
-        return scale(0.5 * rho * rise, mean(a_l, a_r))
-
-    def near_pair_force(self, l, r, a_l, a_r, rise):
-        """The same where pair_distance is at most NEAR."""
-        rho = near_mean(l[0], r[0], distance(l[0], r[0], l[-2], r[-2]))
-        return scale(0.5 * rho * rise, mean(a_l, a_r))
-
-    def two_point_flux(self, l, r, a, g, rho, T):
-        """a . f# - g U#, with the means rho and T."""
-        u_l, u_r = l[3:-2], r[3:-2]
+    def pair_flux(self, l, r, a_l, a_r, g, near):
+        """F of two nodes, near ones in a third of the time; linear in a_l, a_r and g."""
+        rho, z = self.mean_density(l, r, near), distance(l[2], r[2], l[-1], r[-1])
+        T = (near_harmonic_mean if near else harmonic_mean)(l[2], r[2], z)
+        a, u_l, u_r, law = mean(a_l, a_r), l[3:-2], r[3:-2], self.law
         through_l, through_r = dot(a, u_l), dot(a, u_r)
         relative = 0.5 * (through_l + through_r) - g
-        mass, law = rho * relative, self.law
+        mass = rho * relative
         momentum = along(scale(mass, mean(u_l, u_r)), 0.5 * (l[1] + r[1]), a)
         # rho e = rho cv T + what it is where rho = 0
         energy = mass * (law.heat_capacity(rho, T) * T + 0.5 * dot(u_l, u_r))
         energy = energy + relative * law.energy_density(0.0, T)
         return (mass, *momentum, energy + 0.5 * (l[1] * through_r + r[1] * through_l))
+
+    def pair_force(self, l, r, a_l, a_r, rise, near):
+        """{a} rho^ (Phi_r - Phi_l)/2 of two nodes, for both; rise: Phi_r - Phi_l."""
+        return scale(0.5 * self.mean_density(l, r, near) * rise, mean(a_l, a_r))
 
     def pair_distance(self, l, r):
         """How far two states are apart: the larger distance of density, temperature."""

@@ -36,7 +36,6 @@ import numpy as np
 from fsipetsc.equations.tensors import (
     add_unit,
     apply,
-    apply_transposed,
     bordered,
     cofactor,
     corner,
@@ -148,7 +147,7 @@ class Solid(NamedTuple):
     def heat_flux(self, F, gradient):
         """h = kappa/J (cof F)^T cof F grad T [W/m2]: minus the flux of heat, per area at rest."""
         C = cofactor(self.tensor(F))
-        flux = apply_transposed(C, apply(C, (*gradient, *self.around)))
+        flux = apply(transpose(C), apply(C, (*gradient, *self.around)))
         return scale(self.kappa / self.volume(F), flux)[: len(gradient)]
 
     def wave_modulus_at(self, strain, T):

@@ -18,29 +18,21 @@ def rows(F: Tensor) -> list[Vector]:
     return [F[i * d : (i + 1) * d] for i in range(d)]
 
 
-def columns(F: Tensor) -> list[Vector]:
+def transpose(F: Tensor) -> Tensor:
     d = isqrt(len(F))
-    return [F[j::d] for j in range(d)]
+    return tuple(entry for j in range(d) for entry in F[j::d])
 
 
 def trace(F: Tensor) -> Any:
     return total(F[:: isqrt(len(F)) + 1])
 
 
-def transpose(F: Tensor) -> Tensor:
-    return tuple(entry for column in columns(F) for entry in column)
-
-
 def column_sums(F: Tensor) -> Vector:
-    return tuple(total(column) for column in columns(F))
+    return tuple(map(total, rows(transpose(F))))
 
 
 def apply(F: Tensor, a: Vector) -> Vector:
     return tuple(dot(row, a) for row in rows(F))
-
-
-def apply_transposed(F: Tensor, a: Vector) -> Vector:
-    return tuple(dot(column, a) for column in columns(F))
 
 
 def outer(a: Vector, b: Vector) -> Tensor:
@@ -48,15 +40,7 @@ def outer(a: Vector, b: Vector) -> Tensor:
 
 
 def product(F: Tensor, G: Tensor) -> Tensor:
-    return tuple(dot(row, column) for row in rows(F) for column in columns(G))
-
-
-def transposed_product(F: Tensor, G: Tensor) -> Tensor:
-    return tuple(dot(of_F, of_G) for of_F in columns(F) for of_G in columns(G))
-
-
-def product_transposed(F: Tensor, G: Tensor) -> Tensor:
-    return tuple(dot(of_F, of_G) for of_F in rows(F) for of_G in rows(G))
+    return tuple(dot(row, column) for row in rows(F) for column in rows(transpose(G)))
 
 
 def add_unit(c: Any, F: Tensor) -> Tensor:
@@ -124,7 +108,8 @@ def twice_strain(F: Tensor) -> Tensor:
 
 def _twice_strain(F: Tensor, i: int, j: int) -> Any:
     """An entry: F_ki F_kj summed over k, but F_ii^2 - 1 as a product."""
-    pairs = zip(columns(F)[i], columns(F)[j], strict=True)
+    columns = rows(transpose(F))
+    pairs = zip(columns[i], columns[j], strict=True)
     return total((a - 1.0) * (b + 1.0) if i == j == k else a * b for k, (a, b) in enumerate(pairs))
 
 
@@ -161,7 +146,7 @@ def largest_eigenvalue(B):
 
 def largest_stretch(F):
     """An upper bound of |F N|^2 over directions N, exact for a rotation or a diagonal F."""
-    return largest_eigenvalue(transposed_product(F, F))
+    return largest_eigenvalue(product(transpose(F), F))
 
 
 # square roots

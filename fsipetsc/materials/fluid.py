@@ -9,8 +9,8 @@ from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, described, number, numbe
 from fsipetsc.equations.gas import Gas, RadialGas
 from fsipetsc.errors import InputError
 from fsipetsc.materials import own
-from fsipetsc.materials.perfect_gas import PerfectGas
-from fsipetsc.materials.power_law import ConstantTransport
+from fsipetsc.materials.stiffened_gas import PerfectGas
+from fsipetsc.materials.sutherland import ConstantTransport
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Fluid:
         gamma: ratio of the specific heats, above 1.
         R: gas constant over molar mass [J/(kg K)].
         law: None for the perfect gas of gamma and R; or what `stiffened_gas` or `gas_law` returns.
-        transport: None for constants; or what `sutherland`, `power_law` or `transport_law` returns.
+        transport: None for constants; or what `sutherland` or `transport_law` returns.
         force: body force per mass [m/s2], a number in one dimension, else d numbers.
     """
 

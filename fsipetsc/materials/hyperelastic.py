@@ -19,7 +19,6 @@ from fsipetsc.equations.tensors import (
     largest_stretch,
     outer,
     product,
-    product_transposed,
     shear_excess,
     trace,
     transpose,
@@ -134,7 +133,7 @@ class StVenantKirchhoff(NamedTuple):
         """Q = N . S N + (lambda_e + mu_e) (F N) (F N)^T + mu_e F F^T [Pa]."""
         stretched = apply(F, N)
         along_it = outer(scale(self.lambda_e + self.mu_e, stretched), stretched)
-        across = scale(self.mu_e, product_transposed(F, F))
+        across = scale(self.mu_e, product(F, transpose(F)))
         return add_unit(dot(N, apply(self._hooke(F), N)), add(along_it, across))
 
     def wave_modulus(self, F):

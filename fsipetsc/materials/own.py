@@ -17,18 +17,11 @@ from fsipetsc.checks import described
 from fsipetsc.equations.tensors import apply
 from fsipetsc.equations.vectors import add, zeros
 from fsipetsc.errors import InputError, place_in, place_of, reason
-from fsipetsc.kernels.symbols import (
-    NotRecorded,
-    Record,
-    Replay,
-    Symbol,
-    derivatives,
-    numbers_of,
-)
+from fsipetsc.kernels.symbols import NotRecorded, Record, Replay, Symbol, derivatives, numbers_of
 from fsipetsc.materials.hyperelastic import NeoHookean
-from fsipetsc.materials.perfect_gas import PerfectGas
-from fsipetsc.materials.power_law import ConstantTransport
 from fsipetsc.materials.solid_pressure import ConstantPressure
+from fsipetsc.materials.stiffened_gas import PerfectGas, StiffenedGas
+from fsipetsc.materials.sutherland import ConstantTransport
 
 Formula = Callable[..., Any]
 #: kind of law -> what makes one of functions, and a class that has all formulas
@@ -43,8 +36,7 @@ def along(formula, numbers, direction):
     record, known = Record(), dict[Symbol, Any]()
 
     def given(value):
-        symbol = record.given(f"x{len(known)}")
-        known[symbol] = value
+        known[symbol := record.given(f"x{len(known)}")] = value
         return symbol
 
     step = given(0.0)
@@ -56,7 +48,7 @@ def along(formula, numbers, direction):
 
 
 def gradient(formula, F):
-    ways = (tuple(float(m == n) for m in range(len(F))) for n in range(len(F)))
+    ways = np.eye(len(F)).tolist()
     return [along(lambda *F: formula(F), F, way) for way in ways]
 
 
@@ -93,10 +85,8 @@ class OwnSolid(NamedTuple):
 
     def wave_modulus(self, F):
         """Upper bound of m0 c^2 [Pa]: the largest row of dP/dF."""
-        rows = zeros(F)
-        for slopes in gradient(self.stress, F):
-            rows = add(rows, tuple(abs(slope) for slope in slopes))
-        return reduce(np.maximum, rows)
+        sizes = (tuple(map(abs, slopes)) for slopes in gradient(self.stress, F))
+        return reduce(np.maximum, reduce(add, sizes, zeros(F)))
 
     def acoustic_tensor(self, F, N):
         d, columns = len(N), []
@@ -210,14 +200,8 @@ def checked_law(law: Any, what: str, kind: tuple[str, type]) -> Any:
         if name[0] != "_" and name not in like._fields and not hasattr(law, name):
             expected = f"expected what {maker}(…) returns"
             raise InputError(f"{what} is {described(law)}, which has no '{name}': {expected}")
-    if _of_case(law) and isinstance(law, tuple):
-        law = type(law)(*(float(v) if type(v) is int else v for v in law))
-    return law
-
-
-def _of_case(law: Any) -> bool:
-    """Whether a law is none of fsipetsc's own."""
-    return isinstance(law, OwnGas) or not type(law).__module__.startswith("fsipetsc.")
+    numbers = law if isinstance(law, tuple) else ()
+    return type(law)(*(float(v) if type(v) is int else v for v in numbers)) if numbers else law
 
 
 def knows_entropy(law: Any) -> bool:
@@ -233,7 +217,7 @@ def check_inverses(law: Any, rho: Any, T: Any, owner: str) -> None:
 
     rho, T: (n,) densities [kg/m3] and temperatures [K].
     """
-    if not _of_case(law):
+    if isinstance(law, (PerfectGas, StiffenedGas)):
         return
     with np.errstate(all="ignore"):
         p, e = law.pressure(rho, T), law.internal_energy(rho, T)
@@ -269,7 +253,7 @@ def _check_recorded(what: str, formula: Formula, given: Sequence[int], wanted: i
     its arguments and what it returns: 0 for a number, else a tuple of so many numbers.
     """
     record = Record()
-    numbers = (record.given(f"x{k}") for k in count())
+    numbers = map(record.given, (f"x{k}" for k in count()))
     try:
         found = formula(*(tuple(islice(numbers, n)) if n else next(numbers) for n in given))
         numbers_of(found, wanted)

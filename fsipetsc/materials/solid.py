@@ -13,7 +13,6 @@ from fsipetsc.materials.solid_pressure import ConstantPressure, Gruneisen
 
 #: laws by name
 LAWS = {"log": Log, "neo-hookean": NeoHookean, "svk": StVenantKirchhoff, "linear": LinearElastic}
-HEATS = ("coupled", "elastic")
 
 
 @dataclass(frozen=True)
@@ -54,9 +53,9 @@ class ElasticSolid:
     def __post_init__(self) -> None:
         ranges = {"mu_e": NONNEGATIVE, "lambda_e": NONNEGATIVE, "kappa_e": NONNEGATIVE}
         numbers(self, "ElasticSolid", {**ranges, "m0": POSITIVE, "alpha": POSITIVE, "p_ref": ANY})
-        if self.heat not in HEATS:
-            expected = " or ".join(map(repr, HEATS))
-            raise InputError(f"ElasticSolid: heat is {described(self.heat)}: expected {expected}")
+        if self.heat not in ("coupled", "elastic"):
+            wanted = "expected 'coupled' or 'elastic'"
+            raise InputError(f"ElasticSolid: heat is {described(self.heat)}: {wanted}")
         object.__setattr__(self, "force", checked_force(self.force, "ElasticSolid"))
         law = self.solid_law
         if self.heat == "elastic" and not own.knows_energy(law):
@@ -106,7 +105,7 @@ class ElasticSolid:
 class Elastic(NamedTuple):
     """The solid of the paper in one dimension, (4.19), as formulas (fsipetsc.paper.rates).
 
-    law: the pressure p of J = x_X, T, m0 and alpha; the rest is as in ``Solid``.
+    law: of the pressure p [Pa] of J = x_X, T, m0 and alpha; the rest is as in ``Solid``.
     """
 
     law: Any
@@ -117,15 +116,12 @@ class Elastic(NamedTuple):
     force: float
 
     def pressure(self, T, x_X):
-        """p [Pa]."""
         return self.law.pressure(x_X, T, self.m0, self.alpha)
 
     def pressure_by_temperature(self, T, x_X):
-        """dp/dT at constant x_X [Pa/K]."""
         return self.law.pressure_by_temperature(x_X, T, self.m0, self.alpha)
 
     def stiffness(self, T, x_X):
-        """-x_X dp/dx_X at constant T [Pa]."""
         return self.law.stiffness(x_X, T, self.m0, self.alpha)
 
     def wave_modulus(self, T, p, sigma, x_X):
@@ -178,8 +174,7 @@ class Solid:
     @property
     def elastic(self) -> Elastic:
         """The material as formulas."""
-        numbers = self.K, self.kappa_e, self.m0, self.alpha, self.force
-        return Elastic(self.pressure_law, *numbers)
+        return Elastic(self.pressure_law, self.K, self.kappa_e, self.m0, self.alpha, self.force)
 
     def pressure(self, T: Any, x_X: Any = 1.0) -> Any:
         """The pressure p [Pa] at T [K] and the stretch x_X, numbers or arrays of one shape."""

@@ -1,4 +1,6 @@
-"""Stiffened gas, a liquid: p + p_inf, e - p_inf/rho and the entropy are those of a perfect gas."""
+"""The perfect gas, and the stiffened gas: p + p_inf, e - p_inf/rho and the entropy of this liquid
+are those of a perfect gas.
+"""
 
 from typing import NamedTuple
 
@@ -7,11 +9,56 @@ import numpy as np
 from fsipetsc.checks import NONNEGATIVE, POSITIVE, number
 
 
-class StiffenedGas(NamedTuple):
-    """gamma: ratio of the specific heats [-], cv: specific heat [J/(kg K)], p_inf: [Pa].
+class PerfectGas(NamedTuple):
+    """p = rho R T, e = cv T, cv = R/(gamma - 1), entropy s = cv ln T - R ln rho.
 
-    Formulas have the names, arguments and units of those of PerfectGas.
+    gamma: ratio of the specific heats [-], R: gas constant over molar mass [J/(kg K)]. Arguments of
+    the formulas: rho [kg/m3], T [K], p [Pa], e [J/kg].
     """
+
+    gamma: float
+    R: float
+
+    def pressure(self, rho, T):
+        return rho * (self.R * T)
+
+    def internal_energy(self, rho, T):
+        return self.R / (self.gamma - 1.0) * T
+
+    def energy_density(self, rho, T):
+        """rho e [J/m3]."""
+        return rho * (self.R / (self.gamma - 1.0) * T)
+
+    def temperature(self, rho, e):
+        return (self.gamma - 1.0) / self.R * e
+
+    def density(self, p, T):
+        return p / (self.R * T)
+
+    def temperature_of(self, rho, p):
+        return p / (self.R * rho)
+
+    def heat_capacity(self, rho, T):
+        """cv [J/(kg K)]."""
+        return self.R / (self.gamma - 1.0)
+
+    def sound_speed_squared(self, rho, T):
+        return self.gamma * self.R * T
+
+    def entropy(self, rho, T):
+        return self.R / (self.gamma - 1.0) * np.log(T) - self.R * np.log(rho)
+
+    def bulk_modulus(self, rho, T):
+        """rho dp/drho at constant T [Pa]."""
+        return rho * (self.R * T)
+
+    def pressure_by_temperature(self, rho, T):
+        """dp/dT at constant rho [Pa/K]."""
+        return self.R * rho
+
+
+class StiffenedGas(NamedTuple):
+    """gamma: ratio of the specific heats [-], cv: specific heat [J/(kg K)], p_inf: [Pa]."""
 
     gamma: float
     cv: float

@@ -1,10 +1,24 @@
-"""Sutherland's law of viscosity and conductivity, for molecules that attract each other."""
+"""Viscosity and conductivity of gases: constants, and the law of Sutherland."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from fsipetsc.checks import NONNEGATIVE, POSITIVE, number
+
+
+class ConstantTransport(NamedTuple):
+    """mu and kappa are those of the material, times a factor; T [K]."""
+
+    factor: float = 1.0
+
+    def viscosity(self, T):
+        """mu(T)/mu."""
+        return self.factor
+
+    def conductivity(self, T):
+        """kappa(T)/kappa."""
+        return self.factor
 
 
 class Sutherland(NamedTuple):
@@ -19,8 +33,7 @@ class Sutherland(NamedTuple):
         return ratio * np.sqrt(ratio) * ((self.T_ref + self.S) / (T + self.S))
 
     def conductivity(self, T):
-        ratio = T / self.T_ref
-        return ratio * np.sqrt(ratio) * ((self.T_ref + self.S_kappa) / (T + self.S_kappa))
+        return self._replace(S=self.S_kappa).viscosity(T)
 
 
 def sutherland(T_ref: float, S: float, S_kappa: float | None = None) -> Sutherland:

@@ -37,7 +37,7 @@ def with_force(gas, form, near, F, l, r, a_l, a_r, rise):
     """
     if not form.raises:
         return F, F
-    force = (gas.near_pair_force if near else gas.pair_force)(l, r, a_l, a_r, rise)
+    force = gas.pair_force(l, r, a_l, a_r, rise, near)
     return (*F, *force), (*F, *scale(-1.0, force))
 
 

@@ -2,8 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from fsipetsc.materials.perfect_gas import PerfectGas
-from fsipetsc.materials.stiffened_gas import StiffenedGas
+from fsipetsc.materials.stiffened_gas import PerfectGas, StiffenedGas
 
 #: laws whose entropy the two-point flux of fsipetsc.equations.gas conserves
 CONSERVED = PerfectGas, StiffenedGas
@@ -22,11 +21,11 @@ class EntropyForm(NamedTuple):
 
     def near(self, gas, l, r, a_l, a_r, g):
         """Return the flux of two nodes with similar states."""
-        return gas.near_pair_flux(l, r, a_l, a_r, g)
+        return gas.pair_flux(l, r, a_l, a_r, g, near=True)
 
     def any(self, gas, l, r, a_l, a_r, g):
         """Return the flux of two nodes with any states."""
-        return gas.pair_flux(l, r, a_l, a_r, g)
+        return gas.pair_flux(l, r, a_l, a_r, g, near=False)
 
 
 class DivergenceForm(NamedTuple):

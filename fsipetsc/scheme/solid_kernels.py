@@ -12,10 +12,9 @@ from typing import Any, NamedTuple
 from fsipetsc.equations.tensors import (
     add_unit,
     apply,
-    apply_transposed,
     column_sums,
-    product_transposed,
-    transposed_product,
+    product,
+    transpose,
 )
 from fsipetsc.equations.vectors import add, along, dot, scale, sub, total
 from fsipetsc.kernels.kernel import PLANES, ROWS, SHARED, Kernel, Layout
@@ -126,7 +125,7 @@ def _strain(solid: Any, d: int) -> Kernel:
 def _found_strain(kernel: Kernel, solid: Any, d: int, slopes: Slopes) -> Any:
     A, (J0,) = kernel.read("metrics", PLANES, d * d), kernel.read("metrics", PLANES, 1, d * d)
     D_D = slopes.read(kernel, "unknowns", (0,) * d, d, 0)
-    gradient = scale(1.0 / J0, transposed_product(D_D, A))
+    gradient = scale(1.0 / J0, product(transpose(D_D), A))
     D = kernel.read("unknowns", TILE, d) if solid.around else ()
     R = kernel.read("metrics", PLANES, 1, d * d + 1)[0] if solid.around else 0.0
     return solid.with_hoops(add_unit(1.0, gradient), D, R)
@@ -150,9 +149,9 @@ def _pull(solid: Any, d: int, slopes: Slopes, prestressed: bool) -> Kernel:
         e = e - dot(S, add_unit(-1.0, F[: d * d])) / solid.m0
         kernel.store("unknowns", TILE, (e,), 2 * d)
     T = solid.temperature(v, e, F)
-    tractions = product_transposed(A, solid.stress_at(F, T))
+    tractions = product(A, transpose(solid.stress_at(F, T)))
     if prestressed:
-        tractions = add(tractions, product_transposed(A, S))
+        tractions = add(tractions, product(A, transpose(S)))
     if conducts:
         kernel.store("temperatures", TILE, (T,))
     kernel.store("tractions", TILE, tractions)
@@ -163,7 +162,7 @@ def _conduct(solid: Any, d: int) -> Kernel:
     kernel = Kernel("solid_conduct", "A^k . h with grad T = 1/J0 sum_k A^k D_k T.")
     solid = kernel.parameters(solid)
     A, (J0,) = kernel.read("metrics", PLANES, d * d), kernel.read("metrics", PLANES, 1, d * d)
-    gradient = scale(1.0 / J0, apply_transposed(A, kernel.read("slopes", ROWS, d)))
+    gradient = scale(1.0 / J0, apply(transpose(A), kernel.read("slopes", ROWS, d)))
     h = solid.heat_flux(_strain_of(kernel, solid, d), gradient)
     kernel.store("heats", TILE, apply(A, h))
     return kernel

@@ -6,7 +6,7 @@ convection sqrt(sum_k (c |A^k| / (J0 h_k))^2),  c^2 the largest wave modulus ove
 
 import numpy as np
 
-from fsipetsc.equations.tensors import add_unit, product_transposed
+from fsipetsc.equations.tensors import add_unit, product, transpose
 from fsipetsc.equations.vectors import add, dot, per
 from fsipetsc.kernels.arrays import column, part_of
 from fsipetsc.kernels.loops import each, variable, when, whole
@@ -148,7 +148,7 @@ def stressed(part, q, out):
             P = solid.stress_at(F, T)
             if part.prestress is not None:
                 P = add(P, column((0.0,) * d * d, part.prestress, at))
-            stress = per(product_transposed(P, F[: d * d]), J)
+            stress = per(product(P, transpose(F[: d * d])), J)
             hoops = (solid.hoop_stress(F, T),) if solid.around else ()
             for c, number in enumerate((T, solid.pressure_at(J, T), *stress, *hoops)):
                 out[c * M + own + i] = number
