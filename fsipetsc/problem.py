@@ -22,7 +22,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.kernels.symbols import Symbol
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid, Solid
-from fsipetsc.operators.sbp import operator
+from fsipetsc.operators.sbp import OPERATORS
 
 Function = Callable[..., Any]
 
@@ -223,7 +223,7 @@ def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
     h: spacing [m] of layers without cells of their own; order: of the operators. InputError where
     h does not fit a solid, or for what only the paper's method has.
     """
-    blocks, notes, least = [], list(problem.notes), operator(order).min_points - 1
+    blocks, notes, least = [], list(problem.notes), OPERATORS[order].min_points - 1
     for k, layer in enumerate(problem.layers):
         cells = layer.cells or layer.fitting(h)
         if layer.kind == "solid":

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.operators.bands import AXIS
-from fsipetsc.operators.sbp import operator
+from fsipetsc.operators.sbp import OPERATORS
 
 TINY = 1e-30  # step into the complex plane, for derivatives
 
@@ -122,7 +122,7 @@ def along(matrix, f, k, d):
 
 def axis_of(order, n, periodic, around):
     """Of n nodes of [0, 1]. around: r = 0 is in the middle, with weights of its own beside it."""
-    op, h = operator(order), 1.0 / n if periodic else 1.0 / (n - 1)
+    op, h = OPERATORS[order], 1.0 / n if periodic else 1.0 / (n - 1)
     if periodic:
         weight, D, one = np.full(n, h), np.zeros((n, n)), np.eye(n)
         for k, c in enumerate(op.interior, start=1):

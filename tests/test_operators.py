@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fsipetsc.operators.bands import AXIS, centred_band
-from fsipetsc.operators.sbp import OPERATORS, SBPOperator, operator, undivided
+from fsipetsc.operators.sbp import OPERATORS, SBPOperator, undivided
 from fsipetsc.paper.stencils import MEANS, end_term
 
 ALL = pytest.mark.parametrize("op", OPERATORS.values(), ids=lambda op: op.name)
@@ -65,7 +65,7 @@ def test_spectrum_of_advection_with_injected_inflow(op: SBPOperator, n: int) -> 
 @pytest.mark.parametrize("order", AXIS)
 def test_weights_beside_an_axis(order: int) -> None:
     """u = r and p = r^2 have their derivatives exactly; with the weights of a plane not."""
-    cells = operator(order).min_points + 5
+    cells = OPERATORS[order].min_points + 5
     n = cells + 1
     r = np.arange(-n, n) + 0.5
 

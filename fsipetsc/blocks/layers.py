@@ -15,7 +15,7 @@ from fsipetsc.blocks.conditions import Condition, Periodic
 from fsipetsc.blocks.maps import rectangle
 from fsipetsc.checks import POSITIVE, cells_of, described, extent, number
 from fsipetsc.errors import InputError
-from fsipetsc.operators.sbp import operator
+from fsipetsc.operators.sbp import OPERATORS
 
 #: (low, high) [m]
 Extent = tuple[float, float]
@@ -88,7 +88,7 @@ def layers(
     cells = [_cells(ends, h, "layers") for ends in along] if cells is None else cells
     if len(cells) != len(along):
         raise InputError(f"layers: cells is {described(cells)}: expected one for each of along")
-    least, axes = 1 if order is None else operator(order).min_points - 1, range(len(along))
+    least, axes = 1 if order is None else OPERATORS[order].min_points - 1, range(len(along))
     spans = [_columns(layer, along, cells) for layer in stack]
     cuts = [sorted({0, n}.union(*(span[k] for span in spans))) for k, n in enumerate(cells)]
     own = [sides if layer.sides is None else layer.sides for layer in stack]

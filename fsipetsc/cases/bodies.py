@@ -14,7 +14,7 @@ from fsipetsc.cases.riemann import GasState, shock_in_plane
 from fsipetsc.checks import Array
 from fsipetsc.equations.elementary import tanh
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.operators.sbp import operator
+from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import above_one
 
 #: gas before a shock: the unit of velocity is its speed of sound
@@ -152,7 +152,7 @@ def cylinder(opt: Opt) -> BlockProblem:
 
 def _cells(opt: Opt, *lengths: float) -> list[int]:
     """Cells of the size of -fsi_h along each length, and at least as many as the operators need."""
-    least = operator(opt["fsi_order"]).min_points - 1
+    least = OPERATORS[opt["fsi_order"]].min_points - 1
     return [max(round(length / opt["fsi_h"]), least) for length in lengths]
 
 

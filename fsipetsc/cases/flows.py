@@ -12,7 +12,7 @@ from fsipetsc.cases.common import SHOCKS, Opt, materials
 from fsipetsc.cases.riemann import GasState, behind_shock, sound
 from fsipetsc.equations.elementary import exp, power
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.operators.sbp import operator
+from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import above_one
 
 GAMMA = 1.4
@@ -78,7 +78,7 @@ def panel(opt: Opt) -> BlockProblem:
     stiffness = M * M / (opt["panel_lambda"] * beta)
     # 12 D/h^3 = 4 mu (lambda + mu) / (lambda + 2 mu), which is 3 mu for lambda = 2 mu
     mu_e = 12.0 * stiffness / h**3 / 3.0
-    across = max(8, operator(opt["fsi_order"]).min_points // 2 * 2)  # even: hinges
+    across = max(8, OPERATORS[opt["fsi_order"]].min_points // 2 * 2)  # even: hinges
     panel = ElasticSolid(mu_e, 2.0 * mu_e, 0.0, opt["panel_mass"] / h, 1.0, p, heat="elastic")
 
     def push(X, Y):

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.equations.vectors import along, scale
-from fsipetsc.operators.sbp import operator, undivided
+from fsipetsc.operators.sbp import OPERATORS, undivided
 
 Array = NDArray[np.float64]
 Triple = tuple[int, int, int]
@@ -79,13 +79,13 @@ def band(order: int, cells: int, periodic: bool = False) -> Band:
 
     cells + 1 nodes, or as many as cells on a periodic axis. ValueError if these are too few.
     """
-    op, h = operator(order), 1.0 / cells
+    op, h = OPERATORS[order], 1.0 / cells
     if periodic:
         if cells < 2 * op.p + 1:
             least = f"a periodic axis needs at least {2 * op.p + 1} cells at order {order}"
             raise ValueError(f"{least}, not {cells}")
         S = np.zeros((op.p + 1, cells))
-        S[1:] = 2.0 * np.array([float(c) for c in op.interior])[:, None]
+        S[1:] = 2.0 * np.array(op.interior, float)[:, None]
         return Band(S, np.full(cells, h))
     n = cells + 1
     weight = h * op.norm_weights(n)
@@ -211,19 +211,19 @@ def differences(d: int, order: int, bands: Sequence[Band], cells: Sequence[int])
     """Of half the order of the scheme. bands: three, cut to the ghosted array; cells: of the whole
     block, by axis.
     """
-    q = order // 2
-    shape = [len(band.weight) for band in bands]
-    norm, per_weight = [], []
+    q, shape = order // 2, [len(band.weight) for band in bands]
+    least, per_weight = [np.zeros(n) for n in shape], [1.0 / band.weight for band in bands]
     for k in range(d):
-        H, n = bands[k].weight * cells[k], shape[k]
-        least = np.zeros(n)
-        for i in range(n - q):
-            least[i] = min(1.0, *H[i : i + q + 1])
-        for found, line in ((norm, least), (per_weight, 1.0 / bands[k].weight)):
-            axes = line.reshape([n if k == 2 - j else 1 for j in range(3)])
-            found.append(np.broadcast_to(axes, shape[::-1]).ravel())
+        H = bands[k].weight * cells[k]
+        for i in range(shape[k] - q):
+            least[k][i] = min(1.0, *H[i : i + q + 1])
+
+    def everywhere(lines: list[Array]) -> Array:
+        """(d, N), from numbers along each axis."""
+        return np.stack([grid.ravel("F") for grid in np.meshgrid(*lines, indexing="ij")[:d]])
+
     strides = np.array([1, shape[0], shape[0] * shape[1]])
-    return Differences(undivided(q), strides, np.array(norm), np.array(per_weight))
+    return Differences(undivided(q), strides, everywhere(least), everywhere(per_weight))
 
 
 def difference(read: Callable[[Any], Any], i: Any, stride: Any, weights: Any) -> Any:

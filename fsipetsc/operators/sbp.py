@@ -39,21 +39,19 @@ STIFFNESS_OF_WIDE = 2.0
 class SBPOperator:
     """A diagonal-norm SBP first derivative on n equidistant points, closed at both ends.
 
-    With H = diag(norm_weights) and spacing h, D = matrix(n, h) satisfies hHD + (hHD)^T =
-    diag(-1, 0, ..., 0, 1). Exact coefficients, all for h = 1 and the left end, whose points are
-    counted from 0; at the right end columns are mirrored and signs change.
+    Exact coefficients, all for h = 1 and the left end, whose points are counted from 0; at the
+    right end columns are mirrored and signs change.
+
+    order: interior order, 2p. boundary_order: s. norm: (rows,) weights at the points of the
+    closure, 1 elsewhere. interior: (p,) weights of v[i+1], v[i+2], ...; those of v[i-1], ... are
+    their negatives. free: entries (i, j), i < j, of Q that accuracy leaves free.
     """
 
     order: int
-    """Interior order of accuracy: 2, 4, 6 or 8."""
     boundary_order: int
-    """s, that of the closure rows: they are exact for polynomials up to this degree."""
     norm: tuple[Fraction, ...]
-    """(rows,) Norm weights at the points of the closure; 1 elsewhere."""
     interior: tuple[Fraction, ...]
-    """(p,) Weights of v[i+1], v[i+2], ...; those of v[i-1], v[i-2], ... are their negatives."""
     free: Mapping[tuple[int, int], Fraction] = field(default_factory=dict, compare=False)
-    """Entries (i, j), i < j, of Q that accuracy leaves free."""
 
     @cached_property
     def closure(self) -> tuple[tuple[Fraction, ...], ...]:
@@ -109,12 +107,11 @@ class SBPOperator:
         return 2 * self.rows
 
     def matrix(self, n: int, h: float = 1.0) -> NDArray[np.float64]:
-        """D as a dense (n, n) array on spacing h > 0. ValueError if n < min_points."""
+        """D as a dense (n, n) array on spacing h > 0; n: min_points or more."""
         return self.exact_matrix(n).astype(float) / h
 
     def exact_matrix(self, n: int) -> NDArray[Any]:
-        """D for h = 1, (n, n), of fractions. ValueError if n < min_points."""
-        self._require(n)
+        """D for h = 1, (n, n), of fractions; n: min_points or more."""
         matrix, closure = np.full((n, n), Fraction(0), dtype=object), np.array(self.closure)
         for k, weight in enumerate(self.interior, start=1):
             i = np.arange(n - k)
@@ -126,16 +123,13 @@ class SBPOperator:
 
     def norm_weights(self, n: int) -> NDArray[np.float64]:
         """The diagonal of H, shape (n,), without h. ValueError if n < min_points."""
-        self._require(n)
-        weights = np.ones(n)
-        weights[: self.rows] = [float(w) for w in self.norm]
-        weights[n - self.rows :] = weights[: self.rows][::-1]
-        return weights
-
-    def _require(self, n: int) -> None:
         if n < self.min_points:
             least = f"at least {self.min_points} points"
             raise ValueError(f"the {self.name} operator needs {least}, not {n}")
+        weights = np.ones(n)
+        weights[: self.rows] = self.norm
+        weights[n - self.rows :] = weights[: self.rows][::-1]
+        return weights
 
 
 def _lagrange(nodes: Sequence[int], m: int, x: int) -> int:
@@ -176,14 +170,6 @@ _ALL = (
 )
 #: by interior order
 OPERATORS = {op.order: op for op in _ALL}
-
-
-def operator(order: int) -> SBPOperator:
-    """The operator of this interior order. ValueError, naming the valid ones, if there is none."""
-    if order not in OPERATORS:
-        valid = ", ".join(map(str, OPERATORS))
-        raise ValueError(f"there is no SBP operator of order {order}; valid orders are {valid}")
-    return OPERATORS[order]
 
 
 def row_length(op: SBPOperator) -> int:

@@ -47,9 +47,9 @@ import numpy as np
 
 from fsipetsc.kernels.loops import each, named, when
 from fsipetsc.operators.sbp import (
+    OPERATORS,
     STIFFNESS_OF_WIDE,
     fractions,
-    operator,
     row_length,
     undivided,
 )
@@ -117,7 +117,7 @@ class Stencils:
 
 def stencils(order: int, narrow: bool = False) -> Stencils:
     """Those of an interior order. ValueError if there is none."""
-    op = operator(order)
+    op = OPERATORS[order]
 
     def rows(table: Any) -> tuple[Numbers, ...]:
         return tuple(tuple(map(float, row)) for row in table)

@@ -19,7 +19,7 @@ import numpy as np
 from fsipetsc.cases import case_after, options_after
 from fsipetsc.checks import counted
 from fsipetsc.errors import ComputationError, InputError
-from fsipetsc.operators.sbp import operator
+from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import Option
 from fsipetsc.output.differences import common_nodes, summed
 from fsipetsc.output.quantities import unit_of
@@ -94,7 +94,7 @@ def convergence(arguments: list[str], comm: Comm) -> None:
                     runs[h] = run
                     points, steps, _, seconds = (run.summary[name] for name in COST)
                     cost = f"{points:>8.0f} points{steps:>8.0f} steps{seconds:>9.2f} s"
-                    study.say(f"{operator(order).name}  h = {h:<9.6g}{cost}")
+                    study.say(f"{OPERATORS[order].name}  h = {h:<9.6g}{cost}")
             rows = together(comm, partial(_rows, case.NAME, trial, opt, exact, runs))
             study.say(f"\n{trials.told(rows)}" if rows else "")
             costs = [[run.summary[name] for name in COST] for run in runs.values()]
@@ -103,7 +103,7 @@ def convergence(arguments: list[str], comm: Comm) -> None:
                 lines += [[*line, *cost] for line, cost in zip(table, costs)]
                 kind, _, name = row.quantity.partition("/")
                 if name == "combined":
-                    panels.setdefault(kind, {})[operator(order).name] = row
+                    panels.setdefault(kind, {})[OPERATORS[order].name] = row
     study.save([*trials.COLUMNS, *COST], lines, about)
     study.on_first(lambda: trials.picture(about, panels, study.path.with_suffix(".png")))
     study.say(f"\nsaved {study.path}")

@@ -35,7 +35,7 @@ from fsipetsc.cases import case_of
 from fsipetsc.cases.common import constant, gas_of, materials
 from fsipetsc.checks import Array
 from fsipetsc.errors import ComputationError, InputError
-from fsipetsc.operators.sbp import OPERATORS, operator
+from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import RUN, Option, defaults
 from fsipetsc.process.together import Comm
 from fsipetsc.scheme.plan import RATE
@@ -74,7 +74,7 @@ def stability(arguments: list[str], comm: Comm) -> None:
     if a promise is not kept."""
     study = Study(comm, arguments, SECTIONS)
     opt, coupling, n = study.opt, study.opt["fsi_coupling"], study.opt["stability_points"]
-    for op in map(operator, opt["fsi_orders"]):
+    for op in [OPERATORS[order] for order in opt["fsi_orders"]]:
         if n < (least := max(4, op.min_points)):
             raise InputError(f"-stability_points {n}: the {op.name} operator needs {least}")
     tasks = list(product(opt["fsi_orders"], opt["density_ratios"], opt["stiffness_ratios"]))
@@ -155,7 +155,7 @@ def measure(
     """
     from fsipetsc.studies.linear import step_limit
 
-    op, solid, conservative = operator(order), state.solid, coupling == "conservative"
+    op, solid, conservative = OPERATORS[order], state.solid, coupling == "conservative"
     N = n + 3 * op.rows  # outer ends do not reach what is disturbed
     gas_weights = state.p / state.rho**2, state.rho, state.rho * state.gas.cv / state.T
     weights = np.array([*gas_weights, solid.m0, state.modulus, solid.alpha * solid.m0 / state.T])

@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 from fsipetsc.cases import case_of, load_case
 from fsipetsc.checks import Array
 from fsipetsc.errors import RanksError
-from fsipetsc.operators.sbp import operator
+from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import defaults
 from fsipetsc.output.drawing import STYLE, save, set_title
 from fsipetsc.output.reader import Run, open_run
@@ -146,7 +146,7 @@ def told(rows: Sequence[Row]) -> str:
     for order, group in groupby(rows, lambda row: row.order):
         cells = [row.cells for row in group]
         body = text_table((HEAD[0], *HEAD[3:]), [(cell[0], *cell[3:]) for cell in cells])
-        tables.append(f"{operator(order).name}, h = {cells[0][2]}\n{body}")
+        tables.append(f"{OPERATORS[order].name}, h = {cells[0][2]}\n{body}")
     return "\n\n".join(tables)
 
 

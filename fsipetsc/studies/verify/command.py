@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from fsipetsc.errors import ComputationError, InputError
-from fsipetsc.operators.sbp import operator
+from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import RUN, Option
 from fsipetsc.output.file_layout import writing
 from fsipetsc.process.together import Comm
@@ -89,7 +89,7 @@ def _show(study: Study, name: str, title: str, rows: Sequence[Row]) -> None:
             lines += ["", f"![{title}]({name}.png)"]
         with writing(where, "the page"):
             where.with_suffix(".md").write_text("\n".join([*lines, ""]), encoding="utf-8")
-    orders = groupby(rows, lambda row: operator(row.order).name)
+    orders = groupby(rows, lambda row: OPERATORS[row.order].name)
     picture(title, {of: {row.quantity: row for row in found} for of, found in orders}, where)
 
 
