@@ -105,7 +105,7 @@ class Solution:
         # -w is the flux of J, a volume that the grid sweeps over
         pushes = (along(f, rho * u_i, past) for f, u_i in zip(tensors.rows(force), u))
         fluxes = scale(-1.0, w), scale(rho, past), *pushes, along(heat, e, past)
-        flux = [tuple(dot(f, a_k) for f in fluxes) for a_k in tensors.columns(a)]
+        flux = [tuple(dot(f, a_k) for f in fluxes) for a_k in tensors.rows(tensors.transpose(a))]
         return scale(J, (1.0, rho, *scale(rho, u), e)), flux, J
 
     def solid(self, *where: Any) -> tuple[Numbers, Sequence[Numbers], Any]:
@@ -116,7 +116,10 @@ class Solution:
         P, c = body.solid_law.stress(F), tensors.cofactor(F)
         scaled = scale(body.kappa_e / tensors.determinant(F), tensors.apply(c, gradient((T,), X)))
         heat, work = tensors.apply(tensors.transpose(c), scaled), dot(P, gradient(v, X))
-        flux = [scale(-1.0, (*t_k, h_k)) for t_k, h_k in zip(tensors.columns(P), heat, strict=True)]
+        flux = [
+            scale(-1.0, (*t_k, h_k))
+            for t_k, h_k in zip(tensors.rows(tensors.transpose(P)), heat, strict=True)
+        ]
         return scale(body.m0, (*v, body.alpha * T)), flux, work
 
     def _on_gas(self, *where: Any) -> Numbers:
