@@ -186,7 +186,7 @@ def step_time(state: Any, opt: Mapping[str, Any], count: int) -> float:
 
 
 def time_of(program: Sequence[object], steps: int) -> float:
-    """Time of a step [µs] by another program, of so many steps. InputError."""
+    """Time of a step [µs] by another program. InputError."""
     words = [str(steps if word == STEPS else word) for word in program]
     try:
         said = subprocess.run(words, capture_output=True, text=True, check=True).stdout.split()

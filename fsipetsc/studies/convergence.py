@@ -1,8 +1,6 @@
 """The command `convergence CASE`: a case over orders and grids, errors, observed orders and cost.
 
-A case with an exact solution in all of its layers is compared with that, any other case with
-itself. All ranks share each run. What is left is a table on the terminal and as CSV, and a picture.
-
+A case with an exact solution in all of its layers is compared with that, any other with itself.
 Where grids are compared with each other, fields are at the end, at the nodes that all grids have in
 common, series at SAMPLES equal distances of time. A difference is the norm in force (L1 or L2) of
 the mean over these, over the largest range on the finest grid of all fields of its unit in layers
@@ -34,7 +32,7 @@ from fsipetsc.studies.trials import Row, Trial
 FACTORS = (4, 2, 1, 1 / 2, 1 / 4), (2, 1, 1 / 2), (2, 1, 2 / 3)
 #: times at which series are compared
 SAMPLES = 10
-#: series that are of the steps or of the method, not of the solution
+#: series of the steps or of the method
 NO_SOLUTION = "t", "dt", "least_J", "J_error", "lost_energy"
 #: names of the cost in the summary of a result
 COST = "points", "steps", "rhs_evaluations", "wall_time"

@@ -1,8 +1,4 @@
-"""The command `python -m fsipetsc stability`: the paper's linear theory, checked.
-
-It ends with status 3 where the interface treatment does not keep what it promises. `energy` and
-`conservative` promise that the energy never grows (Theorem 4.1), that no mode grows and that the
-steps of a run are stable; the others promise the last two.
+"""The command `stability`: whether couplings keep what docs/couplings.md promises (Theorem 4.1).
 
 The solver's own right-hand side is linearised about a constant state, a solid beside a gas at rest.
 Disturbances obey (4.2), of (rho, u, T) in the gas and (u, e, T) in the solid, e = S/K^ the strain.
@@ -41,8 +37,7 @@ from fsipetsc.process.together import Comm
 from fsipetsc.scheme.plan import RATE
 from fsipetsc.studies.tables import Study, listed_in
 
-#: displacements of 1 that strain the solid by less, over h, are left out: 8/4 has one at its end,
-#: which stores next to no energy
+#: displacements of 1 that strain the solid by less, over h, are left out: 8/4 has one at its end
 UNSEEN = 1e-2
 #: step of the numerical differentiation, relative to the size of each variable
 STEP = 2.0**-7

@@ -27,7 +27,7 @@ SECTIONS = {
 
 
 def entries() -> dict[str, Entry]:
-    """Return all entries by name, in the order of the table. This starts PETSc."""
+    """Return all entries by name, in the order of the table; this starts PETSc."""
     from fsipetsc.studies.verify import gases, small_motions, solids  # noqa: F401
 
     return ENTRIES
