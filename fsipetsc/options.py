@@ -114,9 +114,6 @@ def _typed(kind: str, value: Any) -> Any:
     return of(value)
 
 
-# the table
-
-
 def above_one(value: float) -> bool | str:
     """Check a ratio of specific heats or a Mach number."""
     return value > 1 or "a number above 1"
@@ -266,9 +263,6 @@ def groups(
 def defaults(case: Any) -> dict[str, Any]:
     """Return name -> default in force for every option of a case; REQUIRED if it must be given."""
     return {option.name: option.default for found in groups(case).values() for option in found}
-
-
-# what was given
 
 
 def is_option(word: str) -> bool:

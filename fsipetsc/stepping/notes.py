@@ -44,14 +44,12 @@ HELPS = (
 #: a part of the run's energy that may be round-off: of a smaller one no share is told
 NOTHING = 1e-12
 
-# notes
-
 
 def first_notes(state: State, opt: Mapping[str, Any]) -> list[str]:
     found = [*state.problem.notes, *loose_forces(state)]
     if isinstance(state, BlockState):
         found += [*asked_data(state), *heat_that_stays(state), *stretched_gases(state)]
-    return [*found, *long_steps(state, opt)]
+    return [f"note: {text}" for text in (*found, *long_steps(state, opt))]
 
 
 def loose_forces(state: Any) -> list[str]:
@@ -164,9 +162,6 @@ def _directions(d: int) -> Array:
     return np.unique([np.divide(N, size).round(15) for N, size in some.items()], axis=0)
 
 
-# states from which a run cannot go on
-
-
 def check(state: State, t: float, step: int) -> None:
     """Raise ComputationError, or InputError of the first state, if the run cannot go on from the
     state at t [s].
@@ -216,9 +211,6 @@ def first_bad(state: State) -> tuple[Any, ...] | None:
                 about = number, name, float(values[i]), seen.x[i].tolist(), seen.X[i].tolist()
                 bad.append((seen.layer, int(seen.numbers[i]), *about))
     return min((found for some in state.comm.allgather(bad) for found in some), default=None)
-
-
-# laws that must hold
 
 
 class Ledgers(Drifts):

@@ -193,16 +193,13 @@ class Run(Integrator):
             f"to t = {self.opt['ts_max_time']:g}{self.s}"
         )
 
-    def _say_notes(self) -> None:
-        self.line(*(f"note: {text}" for text in first_notes(self.state, self.opt)))
-
     def look(self) -> None:
         """Print what the case is made of, notes, and the first step. Collective."""
         opt, problem = self.opt, self.problem
         Integrator(self.state, opt).start()
         self._say_what_runs()
         self.line(table(geometry_rows(outlines(problem, opt["fsi_h"]), problem.unit("m"))))
-        self._say_notes()
+        self.line(*first_notes(self.state, opt))
         rate = float(self.state.results[RATE])
         dt = float(longest_step(opt["fsi_cfl"], opt["ts_dt"] or 0.0, rate))
         count = f"{opt['ts_max_time'] / dt:,.0f} like it to the end"
@@ -347,7 +344,7 @@ class Run(Integrator):
             self.frame()
             self.ledgers = Ledgers(self.state.invariants, self.initial)
             self._long_steps = long_steps(self.state, self.opt)
-            self._say_notes()
+            self.line(*first_notes(self.state, self.opt))
         else:
             header = self.past.header
             self.resume(header["memory"], self.past.arrays)
