@@ -71,16 +71,12 @@ class GasPart(BlockPart):
         """
         faces = turned_faces(self.at_particles, self.part.patch)
         k, blocks = self.part.k, self._problem.blocks
-        nodes = np.array(
-            [
-                n
-                for particle in particles
-                if particle.moves or any(blocks[b].kind == "solid" for b, _ in particle.members)
-                for b, n in particle.members
-                if b == k
-            ],
-            np.int64,
-        )
+        leading = [
+            particle.members
+            for particle in particles
+            if particle.moves or any(blocks[b].kind == "solid" for b, _ in particle.members)
+        ]
+        nodes = np.array([n for members in leading for b, n in members if b == k], np.int64)
         where, self.moves = self.part.ghosted, nodes.size > 0
         self._grid, self.metrics = motion_of(self._problem, k, self._order, where, nodes, faces)
         self.gather = self._layout.gather(k, nodes, 2 * self._d)
