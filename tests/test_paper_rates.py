@@ -79,7 +79,7 @@ def disturbed(state, seed=1, noise=0.02):
     """A state of random numbers about the one that there is."""
     rng, y = np.random.default_rng(seed), state.solution.getArray().copy()
     for k, layer in enumerate(state.problem.layers):
-        part = state.layers[k].of(y)
+        part = state.layers[k].of(y).T
         size = np.abs(part).max(axis=0)
         if layer.kind == "fluid":
             sound = layer.material.sound_speed(part[0, 2] / part[0, 0] / layer.material.cv)
@@ -105,7 +105,7 @@ def measured(state):
             column
             for layer in state.layers
             for y in (rates, state.solution.getArray())
-            for column in layer.of(y).T
+            for column in layer.of(y)
         ]
         columns += [np.array([v]) for v in (state.results[RATE], state.latest["energy"])]
         means = [float(np.mean(np.cos(0.7 * np.arange(len(c))) * c)) for c in columns]
@@ -132,7 +132,7 @@ def test_rates_do_not_depend_on_pieces(name, monkeypatch):
             state.set_data(0.01)
             stage = disturbed(state)
             for layer in state.layers:
-                layer.part.scratch[:] = np.nan
+                layer.scratch[:] = np.nan
             found.append(np.full_like(stage, np.nan))
             state.right_hand_side(stage, found[-1])
     assert np.isfinite(found[0]).all() and np.array_equal(*found)

@@ -6,10 +6,9 @@ frames that move with their interfaces, (4.20), over embedded boundaries with gh
 and go. Where the paper has misprints the formulas are the corrected ones. From the bottom up:
 
     stencils      the SBP first derivative on the points of a rank, narrow second derivatives
-    rates         dy/dt of a layer, (4.19) and (4.20); what is monitored after a step
-    coupling      what holds at an interface: projection, projection in energy, traditional
     ends          walls, open ends, given data; boundaries that move over the grid; ends of solids
-    steps         the procedures of a stage and of what follows a step
-    layers        what all ranks know of layers and interfaces, and what each has of them
+    rates         dy/dt of a layer, (4.19) and (4.20); the next stage; what follows a step
+    layers        what a rank has of a layer, which procedures take
+    coupling      what holds at an interface: projection, projection in energy, traditional
     paper_state   what the time integration drives: the right-hand side from top to bottom
 """

@@ -19,89 +19,85 @@ orthogonally in
                                   solid: W = m0 (u), 1/K^ (sigma), alpha m0/T^ (T)
 
 with K^ = (K - x_X dp_s/dx_X)/x_X. The q with C(q) = 0 nearest to q~ are q~ - W^-1 grad C . l/a_j,
-where S l = C(q~) with the Gram matrix S of grad C. c = dp_s/dT, k_s = kappa_e/x_X, tau_f = T^/(rho^
-cv), tau_s = T^/(alpha m0):
-
-    a_0 S11 = 1/m0 + 1/rho^       a_0 S12 = mu' d_0/rho^       S13 = S14 = 0
-    a_0 S22 = K^ + rho^ p_rho + c^2 tau_s + p_T^2 tau_f + mu'^2 sum_j (a_0/a_j) d_j^2/rho^
-    a_0 S23 = -c tau_s - p_T tau_f             a_0 S24 = d_0 (c k_s tau_s - p_T kappa tau_f)
-    a_0 S33 = tau_s + tau_f                    a_0 S34 = d_0 (kappa tau_f - k_s tau_s)
-    a_0 S44 = (k_s^2 tau_s + kappa^2 tau_f) sum_j (a_0/a_j) d_j^2
-
-and rho_0 from p_0 = mu' (D u)_0 - sigma + p_s + g_stress, (4.24). Where a side does not conduct
-heat, the energy asks for less: no g_T, and no g_flux either if none does. About the weights in a
-solid without pressure, where (3.11) is singular, see docs/paper.md.
+where S l = C(q~) with the Gram matrix S of grad C; then rho_0 follows from p_0, (4.24). Where a
+side does not conduct heat, the energy asks for less: no g_T, and no g_flux either if none does.
+About the weights in a solid without pressure, where (3.11) is singular, see docs/paper.md.
 
 *Projection*, what the paper runs (Theorem 4.2, Sec. 4.2): temperatures first, by (4.21); with them
 held, (u, sigma, rho) are projected orthogonally on g_u and g_stress. That is the projection above
-with tau_f = tau_s = 0 and without the conditions on the temperature, with K in the place of K^:
-S l = C are (4.23), with rho p_rho for p^ in a gas that is not perfect, and the changes
-
-    u_s = u~_s - l1/(a_0 m0)    sigma = sigma~ - K l2/a_0                                     (4.9)
-    u_j = u~_j + (l1 [j=0] + mu' d_j l2)/(a_j rho^)                                          (4.10)
+with T^ = 0 and without the conditions on the temperature, with K in the place of K^: S l = C are
+(4.23), with rho p_rho for p^ in a gas that is not perfect, and the changes are (4.9), (4.10).
 
 *Traditional*: the solid moves the gas, u_f = u~_s - g_u, and the gas loads the solid, sigma = p_s -
 p + mu' u_X + g_stress, both temperatures from (4.21). The energy may grow without bound.
 """
 
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from fsipetsc.equations.vectors import choose
+from fsipetsc.kernels.arrays import Array
 from fsipetsc.kernels.loops import each, stop, variable
-from fsipetsc.paper.stencils import Stencils, weight
+from fsipetsc.operators.sbp import row_length
+from fsipetsc.paper.layers import Layer, place_in
+from fsipetsc.parallel.exchange import Route
 
 #: the conductivity at the interface has the temperature that it leads to, but for this fraction, or
 #: after so many attempts
 AGREED, REFINEMENTS = 1e-15, 20
 
 
-class Sides(NamedTuple):
-    """An interof. kind: a value of -fsi_coupling; gas, solid: the materials; right: whether the
-    gas lies right of the solid; h: spacing [m]. gases: the record of the gas, (1,); points, first:
-    (unknowns, points) of gas and solid, and their points at the interface; jump: what is
-    prescribed; notes: what is noted of all, (NOTES, interfaces), of this one in column ``number``.
+class Interface(NamedTuple):
+    """An interface of two layers, gas and solid, in the treatment of a ``kind``, a value of
+    -fsi_coupling. first: their points at the interface; jump: what is prescribed; notes: what is
+    noted of all, (NOTES, interfaces), of this one in column ``number``. here: whether this rank
+    owns gas and solid.
     """
 
-    op: Stencils
     kind: str
-    gas: Any
-    solid: Any
-    right: bool
-    h: float
-    gases: Any
-    points: tuple[Any, Any]
-    first: tuple[int, int]
-    jump: Any
-    notes: Any
+    gas: Layer
+    solid: Layer
+    first: tuple[int, ...]
+    jump: Array
+    notes: Array
     number: int
+    here: tuple[bool, ...]
 
     @property
     def n(self):
         """1 if the gas lies right of the solid, else -1."""
-        return 1 if self.right else -1
+        return 2 * self.gas.side - 1
 
     @property
-    def by_h(self):
-        return (1.0 if self.right else -1.0) / self.h
+    def beta(self):
+        """beta_j, and n/h, of which d_j are the products."""
+        op = self.gas.op
+        return [float(v) for v in op.closure[0][: row_length(op)]], float(self.n) / self.gas.h
+
+    def weight(self, j):
+        """a_0/a_j."""
+        norm = self.gas.op.norm
+        return float(norm[0]) / (float(norm[j]) if j < len(norm) else 1.0)
 
     @property
     def f(self):
-        return Rows(self.points[0], self.first[0], self.n)
+        return Rows(self.gas.local, self.first[0], self.n)
 
     @property
     def s(self):
-        return Rows(self.points[1], self.first[1], -self.n)
+        return Rows(self.solid.local, self.first[1], -self.n)
 
     def gas_at(self, j):
         """(u, T) in row j."""
-        return self.gas.velocity_and_temperature(self.f[j, 0], self.f[j, 1], self.f[j, 2])
+        f = self.f
+        return self.gas.material.velocity_and_temperature(f[j, 0], f[j, 1], f[j, 2])
 
     def put_gas(self, j, rho, u, T):
         """Let the gas in row j be of this density, velocity and temperature."""
         f = self.f
-        f[j, 0], f[j, 1], f[j, 2] = rho, rho * u, self.gas.total_energy(rho, u, T)
+        f[j, 0], f[j, 1], f[j, 2] = rho, rho * u, self.gas.material.total_energy(rho, u, T)
 
 
 class Rows:
@@ -117,8 +113,41 @@ class Rows:
         self._points[at[1], self._first + self._step * at[0]] = value
 
 
+def interface_of(
+    kind: str,
+    pair: Sequence[Layer],
+    me: int,
+    number: int,
+    notes: Array,
+    rooms: Array,
+    memory: Array,
+) -> tuple[Interface, list[Route]]:
+    """An interface of gas and solid, and what rank ``me`` exchanges for it with others.
+
+    The ranks that own the two sides there have all rows of them. Each of two gets the rows of the
+    other one in a room, (unknowns, points), and both solve the same small system.
+    """
+    n, inwards = rooms.shape[-1], (1, -1) if pair[0].side else (-1, 1)
+    owners = [v.share.ranks[0 if step > 0 else -1] for v, step in zip(pair, inwards)]
+    here = tuple(owner == me for owner in owners)
+    sides, first, places = [], [], []
+    each_room = np.split(rooms[number], [len(pair[0].local)])
+    for layer, step, own, room in zip(pair, inwards, here, each_room, strict=True):
+        side = layer if own else layer._replace(local=room, active=np.array([0, n - 1]))
+        at = place_in(memory if own else rooms, side.local)
+        rows = at + side.local.shape[1] * np.arange(len(side.local))[:, None]
+        sides.append(side)
+        first.append(int(side.lo if step > 0 else side.hi))
+        places.append((rows + first[-1] + step * np.arange(n)).ravel())
+    one = Interface(kind, *sides, tuple(first), np.zeros(4), notes, number, here)
+    if here[0] == here[1]:
+        return one, []
+    mine, other = here.index(True), here.index(False)
+    return one, [Route({owners[other]: places[mine]}, {owners[other]: places[other]})]
+
+
 def note(of):
-    """Note x, u, sigma, T and the residuals of the four conditions of an interof."""
+    """Note x, u, sigma, T and the residuals of the four conditions of an interface."""
     s, found = of.s, residuals(of)
     for row, value in enumerate((s[0, 3], s[0, 0], s[0, 1], s[0, 2], *found)):
         of.notes[row, of.number] = value
@@ -126,7 +155,7 @@ def note(of):
 
 def couple(of):
     """Couple the rows of both sides; the frame of the gas follows."""
-    f, s, gas = of.f, of.s, of.gases[0]
+    f, s = of.f, of.s
     if of.kind == "traditional":
         traditional(of)
     else:
@@ -135,22 +164,22 @@ def couple(of):
             of.put_gas(0, f[0, 0], f[0, 1] / f[0, 0], T_f)
             s[0, 2] = T_s
         for _ in each(REFINEMENTS):
-            used = of.gas.conductivity(of.gas_at(0)[1])
+            used = of.gas.material.conductivity(of.gas_at(0)[1])
             T_f = project(of)
-            stop(~(np.absolute(of.gas.conductivity(T_f) - used) > AGREED * used))
-    gas.s, gas.x_interface = f[0, 1] / f[0, 0], s[0, 3]
+            stop(~(np.absolute(of.gas.material.conductivity(T_f) - used) > AGREED * used))
+    of.gas.frame[0], of.gas.frame[1] = f[0, 1] / f[0, 0], s[0, 3]
 
 
 def gradients(of):
     """(u_X, T_X) of the gas and (T_X, x_X) of the solid, and sum_j a_0/a_j d_j^2."""
-    op, s, d, u_X, Tf_X, Ts_X, x_X, squares = of.op, of.s, of.by_h, 0.0, 0.0, 0.0, 0.0, 0.0
-    for j in range(op.n):
-        d_j, (u, T) = d * op.closure[0][j], of.gas_at(j)
+    s, (beta, d), u_X, Tf_X, Ts_X, x_X, squares = of.s, of.beta, 0.0, 0.0, 0.0, 0.0, 0.0
+    for j, beta_j in enumerate(beta):
+        d_j, (u, T) = d * beta_j, of.gas_at(j)
         u_X += d_j * u
         Tf_X += d_j * T
         Ts_X -= d_j * s[j, 2]
         x_X -= d_j * s[j, 3]
-        squares += d_j * d_j * (op.norm[0] / weight(op, j))
+        squares += d_j * d_j * of.weight(j)
     return u_X, Tf_X, Ts_X, x_X, squares
 
 
@@ -162,32 +191,33 @@ def temperatures(of):
     temperature. The gas conducts with the kappa of its new temperature: where that depends on T,
     the temperatures are found again with it.
     """
-    op, s, beta, d, jump = of.op, of.s, of.op.closure[0], of.by_h, of.jump
+    s, jump, (beta, d) = of.s, of.jump, of.beta
+    gas, solid = of.gas.material, of.solid.material
     T_f, T_s = variable(of.gas_at(0)[1]), variable(s[0, 2])
-    rest_f = d * sum(beta[j] * of.gas_at(j)[1] for j in range(1, op.n))
-    rest_s = -d * sum(beta[j] * s[j, 2] for j in range(1, op.n))
+    rest_f = d * sum(beta[j] * of.gas_at(j)[1] for j in range(1, len(beta)))
+    rest_s = -d * sum(beta[j] * s[j, 2] for j in range(1, len(beta)))
     d_f, d_s = d * beta[0], -d * beta[0]
-    k_s, jump_T, jump_flux = of.solid.kappa_e / gradients(of)[3], jump[2], jump[3]
+    k_s, jump_T, jump_flux = solid.kappa_e / gradients(of)[3], jump[2], jump[3]
     for _ in each(REFINEMENTS):
-        used = of.gas.conductivity(T_f.value)
+        used = gas.conductivity(T_f.value)
         both = (jump_flux - k_s * (rest_s + d_s * jump_T) + used * rest_f) / (
             k_s * d_s - used * d_f
         )
-        gas, solid = (-jump_flux / used - rest_f) / d_f, (jump_flux / k_s - rest_s) / d_s
-        gas = np.where(used > 0.0, np.where(k_s > 0.0, both, gas), T_f.value)  # if it conducts
-        solid = np.where(k_s > 0.0, np.where(used > 0.0, both + jump_T, solid), T_s.value)
-        T_f.value, T_s.value = gas, solid
-        stop(~(np.absolute(of.gas.conductivity(gas) - used) > AGREED * used))
+        in_gas, in_solid = (-jump_flux / used - rest_f) / d_f, (jump_flux / k_s - rest_s) / d_s
+        in_gas = np.where(used > 0.0, np.where(k_s > 0.0, both, in_gas), T_f.value)  # it conducts
+        in_solid = np.where(k_s > 0.0, np.where(used > 0.0, both + jump_T, in_solid), T_s.value)
+        T_f.value, T_s.value = in_gas, in_solid
+        stop(~(np.absolute(gas.conductivity(in_gas) - used) > AGREED * used))
     return T_f.value, T_s.value
 
 
 def residuals(of):
     """What the four conditions are off by, as a tuple."""
     f, s, jump, (u_X, Tf_X, Ts_X, x_X, _) = of.f, of.s, of.jump, gradients(of)
-    u, T = of.gas_at(0)
-    p_s, p_f = of.solid.pressure(s[0, 2], x_X), of.gas.law.pressure(f[0, 0], T)
-    stress = s[0, 1] - p_s + p_f - of.gas.viscosity(T) * u_X
-    flux = of.solid.kappa_e / x_X * Ts_X - of.gas.conductivity(T) * Tf_X
+    gas, solid, (u, T) = of.gas.material, of.solid.material, of.gas_at(0)
+    stress = s[0, 1] - solid.pressure(s[0, 2], x_X) + gas.law.pressure(f[0, 0], T)
+    stress -= gas.viscosity(T) * u_X
+    flux = solid.kappa_e / x_X * Ts_X - gas.conductivity(T) * Tf_X
     return s[0, 0] - u - jump[0], stress - jump[1], s[0, 2] - T - jump[2], flux - jump[3]
 
 
@@ -209,9 +239,11 @@ def multipliers(S11, S12, S22, S23, S24, S33, S34, S44, r1, r2, r3, r4):
 def project(of):
     """Project orthogonally, with the conductivity of the gas as it is: all unknowns in *energy*,
     else all but the temperatures, which are as they should be. Returns the gas's new temperature
-    at the interof."""
-    op, f, s, gas, solid, d = of.op, of.f, of.s, of.gas, of.solid, of.by_h
-    beta, a_0 = op.closure[0], op.norm[0]
+    at the interface.
+
+    c = dp_s/dT, k_s = kappa_e/x_X, tau_f = T^/(rho^ cv), tau_s = T^/(alpha m0).
+    """
+    f, s, gas, solid, (beta, d) = of.f, of.s, of.gas.material, of.solid.material, of.beta
     _, _, _, x_X, squares = gradients(of)
     # the state that the weights belong to
     rho, (u, T), T_s = f[1, 0], of.gas_at(1), s[0, 2]
@@ -240,8 +272,8 @@ def project(of):
     l1, l2, l3, l4 = multipliers(S11, S12, S22, S23, S24, S33, S34, S44, r1, r2, r3, r4)
     s[0, 0] -= l1 / solid.m0
     s[0, 1] -= K * l2
-    for j in range(op.n):
-        d_j, w, here = d * beta[j], a_0 / weight(op, j), 1.0 if j == 0 else 0.0
+    for j, beta_j in enumerate(beta):
+        d_j, w, here = d * beta_j, of.weight(j), 1.0 if j == 0 else 0.0
         rho_j, (u, T) = f[j, 0], of.gas_at(j)
         u += w * (here * l1 + mu * d_j * l2) / rho
         T += w * tau_f * (here * (l3 - p_T * l2) + kappa * d_j * l4)
@@ -257,8 +289,9 @@ def project(of):
 def traditional(of):
     """The solid moves the gas, the gas loads the solid."""
     f, s, jump, (T_f, T_s) = of.f, of.s, of.jump, temperatures(of)
+    gas, solid = of.gas.material, of.solid.material
     of.put_gas(0, f[0, 0], s[0, 0] - jump[0], T_f)
     u_X, _, _, x_X, _ = gradients(of)
-    stress = of.gas.viscosity(T_f) * u_X - of.gas.law.pressure(f[0, 0], T_f)
-    s[0, 1] = of.solid.pressure(T_s, x_X) + stress + jump[1]
+    stress = gas.viscosity(T_f) * u_X - gas.law.pressure(f[0, 0], T_f)
+    s[0, 1] = solid.pressure(T_s, x_X) + stress + jump[1]
     s[0, 2] = T_s

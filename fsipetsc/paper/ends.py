@@ -2,12 +2,11 @@
 frame's grid and moves over it; of a solid its end node.
 
 The boundary stands at x_w; the ghost point is the first point of the grid at or beyond it, delta in
-[0, 1) cells outside. n is the outward normal, -1 left, 1 right. A part is a
-fsipetsc.paper.steps.Part.
+[0, 1) cells outside. n is the outward normal, -1 left, 1 right.
 
 Only what a condition gives is overwritten in a ghost point: outgoing characteristics keep their
 values, with Z = rho c; else the scheme is unstable. docs/open-end.md says why each formula of the
-open end is as it is.
+open end is as it is. A layer is a fsipetsc.paper.layers.Layer.
 """
 
 import numpy as np
@@ -15,6 +14,7 @@ import numpy as np
 from fsipetsc.boundaries import Dirichlet, Open, Wall, clamped, free
 from fsipetsc.equations.vectors import choose
 from fsipetsc.kernels.loops import each, named, number, pick, stop, when, whole
+from fsipetsc.paper.stencils import halo_of_rates
 from fsipetsc.scheme.plan import EXHAUSTED
 
 #: nodes that a formula may use, ghost point included
@@ -38,31 +38,26 @@ ETA_NARROW = ETA.copy()
 ETA_NARROW[2, 0] = 0.2289158450015872, -0.4914033185443774, 0.1207498614024324, 0.0225285974796345
 
 
-def outer_side(ends):
-    """Where the boundary of a gas stands: 0 left, 1 right."""
-    return 1 if ends[0] is None else 0
-
-
 def degree_of(end, p):
     """The degree of the formulas of an embedded boundary; p: half width of D."""
     return end.degree or p + 1
 
 
-def distance(layer, side):
+def distance(layer):
     """From the interface to the embedded boundary, in cells, from where the frame is: not by
     (4.25)."""
-    return np.absolute(layer.end_x[side] - layer.x_interface) / layer.h
+    return np.absolute(layer.end_x[layer.side] - layer.frame[1]) / layer.h
 
 
-def beyond_boundary(layer, side):
+def beyond_boundary(layer):
     """delta: how far the ghost point lies outside, in cells."""
-    return number(layer.hi - layer.lo) - distance(layer, side)
+    return number(layer.hi - layer.lo) - distance(layer)
 
 
 def depth_of(op):
     """Points inside the ghost point that are taken. Who owns the next point to come in must have
     them in its halo; no layer has fewer (fsipetsc.paper.layers)."""
-    return min(NODES, op.halo) - 1
+    return min(NODES, halo_of_rates(op)) - 1
 
 
 # formulas of an embedded boundary
@@ -103,18 +98,17 @@ def dirichlet_ghost(g, v, weights, degree, least):
     return s / (weights[0] + eta)
 
 
-def insulated_ghost(op, T, delta):
+def insulated_ghost(p, narrow, T, delta):
     """T of the ghost point so that no heat flows through a wall at delta.
 
-    The interpolant of degree s has zero slope there (Kreiss et al. 2004); differences of the orders
-    s + 1 ... are added, with eta fitted to the error that D makes at its closure.
+    The interpolant of degree s = p has zero slope there (Kreiss et al. 2004); differences of the
+    orders s + 1 ... are added, with eta fitted to the error that D makes at its closure.
     """
-    s = op.p
-    last = s + 3 if s == 4 else s + 1
-    _, slopes = lagrange(delta, s)
-    for q in range(s + 1, last + 1):
+    last = p + 3 if p == 4 else p + 1
+    _, slopes = lagrange(delta, p)
+    for q in range(p + 1, last + 1):
         eta, binomial = 0.0, 1.0
-        for coefficient in (ETA_NARROW if op.narrow else ETA)[s - 1, q - s - 1, ::-1]:
+        for coefficient in (ETA_NARROW if narrow else ETA)[p - 1, q - p - 1, ::-1]:
             eta = eta * delta + float(coefficient)
         slopes += [0.0] * (q + 1 - len(slopes))
         for k in range(q + 1):
@@ -134,15 +128,13 @@ class GasEnd:
     new = 2
     gradient = None
 
-    def __init__(self, part, ghost):
-        self.gas, self.op, self.layer = part.law, part.op, part.layers[0]
-        side = outer_side(part.ends)
-        self.n, self.data = 2.0 * side - 1.0, self.layer.end_data[side]
-        self.degree = degree_of(part.ends[side], self.op.p)
-        self.delta = beyond_boundary(self.layer, side)
+    def __init__(self, layer, ghost):
+        self.gas, self.layer, side = layer.material, layer, layer.side
+        self.n, self.data = 2.0 * side - 1.0, layer.given[side]
+        self.degree, self.delta = degree_of(layer.ends[side], layer.op.p), beyond_boundary(layer)
         found = []
-        for k in range(depth_of(self.op) + 1):
-            rho, m, e = (part.local[c, ghost + (1 - 2 * side) * k] for c in range(3))
+        for k in range(depth_of(layer.op) + 1):
+            rho, m, e = (layer.local[c, ghost + (1 - 2 * side) * k] for c in range(3))
             found.append((rho, *self.gas.velocity_and_temperature(rho, m, e)))
         self.rho, self.u, self.T = (list(values) for values in zip(*found, strict=True))
 
@@ -153,7 +145,7 @@ class GasEnd:
 
     def nodes(self, count):
         """(rho, u, T) of the first points."""
-        return [(self.rho[k], self.u[k], self.T[k]) for k in range(count)]
+        return [*zip(self.rho, self.u, self.T)][:count]
 
 
 class WallEnd(GasEnd):
@@ -164,7 +156,7 @@ class WallEnd(GasEnd):
         Z = rho * np.sqrt(law.sound_speed_squared(rho, T))
         u_G = self.given(self.u, 0.0)
         p_G = law.pressure(rho, T) - self.n * Z * (u_G - u)
-        T_G = insulated_ghost(self.op, self.T, self.delta)
+        T_G = insulated_ghost(self.layer.op.p, self.layer.narrow, self.T, self.delta)
         return law.density(p_G, T_G), u_G, T_G
 
 
@@ -180,9 +172,7 @@ class DirichletEnd(GasEnd):
 
     def ghost(self):
         law, n, data, ((rho, u, T), (rho1, u1, T1)) = self.gas.law, self.n, self.data, self.nodes(2)
-        rho_D = self.given(self.rho, data[0])
-        u_D = self.given(self.u, data[1])
-        T_D = self.given(self.T, data[2])
+        rho_D, u_D, T_D = map(self.given, (self.rho, self.u, self.T), (data[c] for c in range(3)))
         c2 = law.sound_speed_squared(rho1, T1)
         c, outflow = np.sqrt(c2), n * data[1] >= 0.0
         all_in = n * data[1] <= -np.sqrt(law.sound_speed_squared(data[0], data[2]))
@@ -278,29 +268,29 @@ class OpenEnd(GasEnd):
 OF_GAS = {Wall: WallEnd, Open: OpenEnd, Dirichlet: DirichletEnd}
 
 
-def end_of(part):
+def end_of(layer):
     """The class of the outer end of a gas."""
-    return OF_GAS[type(part.ends[outer_side(part.ends)])]
+    return OF_GAS[type(layer.ends[layer.side])]
 
 
-def fill_ghost(part, new=False):
+def fill_ghost(layer, new=False):
     """Give the ghost point its values, where a rank has the points that this takes: all who need it
     do. new: it has no values yet.
     """
-    layer, n, side, kind = part.layers[0], part.local.shape[1], outer_side(part.ends), end_of(part)
-    ghost = named((layer.hi if side else layer.lo) - (layer.own_lo - layer.halo_lo))
-    last = ghost + (1 - 2 * side) * depth_of(part.op)
+    n, kind, q = layer.local.shape[1], end_of(layer), layer.local
+    ghost = named(layer.hi if layer.side else layer.lo)
+    last = ghost + (1 - 2 * layer.side) * depth_of(layer.op)
     with when((0 <= ghost) & (ghost < n) & (0 <= last) & (last < n)):
-        end = kind(part, ghost)
+        end = kind(layer, ghost)
         for v in (end.rho, end.u, end.T) if new else ():
             # without data the highest difference is left, which vanishes
             v[0] = dirichlet_ghost(0.0, v, [0.0] * NODES, kind.new + 1, 1.0)
         rho, u, T = end.ghost()
-        q, energy = part.local, part.law.total_energy(rho, u, T)
+        energy = layer.material.total_energy(rho, u, T)
         q[0, ghost], q[1, ghost], q[2, ghost] = rho, rho * u, energy
 
 
-def move_boundary(part, results):
+def move_boundary(layer, results):
     """Let the ghost point be the first one at or beyond the boundary; results[EXHAUSTED]: 1 + the
     number of the layer if no point is left.
 
@@ -308,60 +298,54 @@ def move_boundary(part, results):
     where the boundary moves inwards the last interior point becomes the ghost point. All ranks of a
     layer decide alike. Where the cells are not a number, the bounds on the step will tell.
     """
-    layer, side = part.layers[0], outer_side(part.ends)
-    cells = distance(layer, side) - 1e-9
+    side, active, outwards = layer.side, layer.active, 2 * layer.side - 1
+    cells = distance(layer) - 1e-9
     with when(cells < 1e15):
         below = whole(cells)
         target = below + pick(number(below) < cells, 1, 0)
-        for _ in each(layer.n):
+        for _ in each(layer.size):
             stop(layer.hi - layer.lo >= target)
-            exhausted = layer.hi == layer.n - 1 if side else layer.lo == 0
+            exhausted = active[side] + layer.first == (layer.size - 1 if side else 0)
             with when(exhausted):
                 results[EXHAUSTED] = 1.0 + number(layer.number)
             stop(exhausted)
-            if side:
-                layer.hi = layer.hi + 1
-            else:
-                layer.lo = layer.lo - 1
-            fill_ghost(part, new=True)
+            active[side] = active[side] + outwards
+            fill_ghost(layer, new=True)
         with when((layer.hi - layer.lo > target) & (target >= layer.least - 1)):
-            if side:
-                layer.hi = layer.lo + target
-            else:
-                layer.lo = layer.hi - target
-            fill_ghost(part)
+            active[side] = active[1 - side] + outwards * target
+            layer.k[:] = 0.0  # a point that goes out has no rates
+            fill_ghost(layer)
 
 
 # ends of solids
 
 
-def close_solid(part):
+def close_solid(layer):
     """Apply the conditions at the outer ends of a solid that this rank owns."""
-    layer = part.layers[0]
-    for side, of in enumerate(part.ends):
-        if of is not None:
-            end = layer.hi if side else layer.lo
-            with when((layer.own_lo <= end) & (end < layer.own_hi)):
-                close_end(part, of, side, named(end - (layer.own_lo - layer.halo_lo)))
+    (begin, beyond), points = layer.own, (layer.lo, layer.hi)
+    for side, end in enumerate(layer.ends):
+        if end is not None:
+            with when((begin <= points[side]) & (points[side] < beyond)):
+                close_end(layer, end, side, named(points[side]))
 
 
-def close_end(part, of, side, i):
-    """The same of the end that is point i of this rank. An end that absorbs lets the characteristic
-    sigma - p - n Z u leave, Z = m0 c.
+def close_end(layer, end, side, i):
+    """The same of one end, point i. An end that absorbs lets the characteristic sigma - p - n Z u
+    leave, Z = m0 c.
     """
-    solid, q, layer, heated = part.law, part.local, part.layers[0], of.heated
-    step, n, beta = 1 - 2 * side, 2.0 * side - 1.0, part.op.closure[0]
-    heat, d, given = layer.end_heat[side], -n / layer.h, layer.end_data[side, 0]
+    solid, q, given, heat = layer.material, layer.local, layer.given[side, 0], layer.given[side, 4]
+    step, n, beta = 1 - 2 * side, 2.0 * side - 1.0, [float(v) for v in layer.op.closure[0]]
+    d = -n / layer.h
     x_X = sum(d * v * q[3, i + step * j] for j, v in enumerate(beta))
     rest = sum(v * q[2, i + step * j] for j, v in enumerate(beta) if j > 0)
-    slope = n * heat * x_X / (solid.kappa_e * d) if heated == "heat_flux" else 0.0
-    imposed = heat if heated == "T" else (slope - rest) / beta[0]
+    slope = n * heat * x_X / (solid.kappa_e * d) if end.heated == "heat_flux" else 0.0
+    imposed = heat if end.heated == "T" else (slope - rest) / beta[0]
     T = np.where(solid.kappa_e > 0.0, imposed, q[2, i])
     u, sigma, p = q[0, i], q[1, i], solid.pressure(T, x_X)
     q[2, i] = T
-    if isinstance(of, clamped):
+    if isinstance(end, clamped):
         q[0, i] = given
-    elif isinstance(of, free):
+    elif isinstance(end, free):
         q[1, i] = given + p
     else:
         Z = np.sqrt(solid.wave_modulus(T, p, given + p, x_X) * solid.m0)

@@ -23,39 +23,28 @@ from petsc4py import PETSc
 
 from fsipetsc.checks import names_of
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.arrays import zeros
+from fsipetsc.kernels.arrays import Array, zeros
 from fsipetsc.kernels.procedure import calling_code
-from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.paper import steps
-from fsipetsc.paper.coupling import couple, note
-from fsipetsc.paper.layers import (
-    DOF,
-    RECORD,
-    Interface,
-    Layer,
-    check_ends,
-    check_form,
-    make_records,
-    note_share,
-    shares_of,
-    used_up,
-)
-from fsipetsc.paper.stencils import stencils
-from fsipetsc.parallel.exchange import Exchange, Reduction, exchange_text
+from fsipetsc.operators.sbp import OPERATORS, row_length
+from fsipetsc.paper import ends, rates
+from fsipetsc.paper.coupling import couple, interface_of, note
+from fsipetsc.paper.layers import DOF, check_ends, check_form, layers_of, routes_of
+from fsipetsc.parallel.exchange import Exchange, Reduction, Route, exchange_text
 from fsipetsc.problem import Problem, SolidLayer
 from fsipetsc.process.libraries import libraries
 from fsipetsc.process.together import agree, together
-from fsipetsc.scheme.plan import (
-    EXHAUSTED,
-    SAID_STOP,
-    TOO_SHORT,
-    plan_next,
-    step_record,
-)
+from fsipetsc.scheme.plan import EXHAUSTED, SAID_STOP, TOO_SHORT, plan_next, step_record
+from fsipetsc.scheme.runge_kutta import STAGES
 from fsipetsc.state import FAULT, Seen, State
 
-Array = np.ndarray
-#: of the record of a layer: where its grid lies, and how it moves
+#: kind of layer -> procedures by name
+_GAS = {"fill": lambda layer: ends.fill_ghost(layer), "rates": rates.gas_rates}
+_SOLID = {"close": ends.close_solid, "rates": rates.elastic_rates, "stretch": rates.stretch}
+OF_LAYERS: dict[str, dict[str, Any]] = {
+    "fluid": {**_GAS, "complete": rates.complete_gas},
+    "solid": {**_SOLID, "complete": rates.complete_solid},
+}
+#: what a checkpoint says of a layer: where its grid lies, and how it moves
 FRAME = "lo", "hi", "s", "x_interface"
 ROWS_TAG, HALOS_TAG = 0, 1  # of messages between ranks
 
@@ -66,8 +55,8 @@ class PaperState(State):
     opt: options in force; announce: told of what is compiled. InputError where grid, order and
     number of ranks do not fit, or the problem is not of the paper's form.
 
-    records, layers: see fsipetsc.paper.layers. bounds: (layers, 2), the largest rates of convection
-    and diffusion [1/s]; k: rates. loose: gases on which a force acts.
+    layers: all, on each rank. bounds: (layers, 2), the largest rates of convection and diffusion
+    [1/s]. loose: gases on which a force acts.
     """
 
     _filled = False  # whether there are data of ends, jumps, forcing
@@ -80,73 +69,50 @@ class PaperState(State):
         announce: Callable[[str], None] = lambda text: None,
     ) -> None:
         check_form(problem, opt)
-        order, self.h = opt["fsi_order"], opt["fsi_h"]
-        self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
-        self.asks = not problem.steady_data
+        self.comm, self.problem, self.h = comm, problem, opt["fsi_h"]
+        self.op, self.asks = OPERATORS[opt["fsi_order"]], not problem.steady_data
         self.loose = [v for v in problem.layers if v.kind == "fluid" and any(v.material.force)]
-        op = stencils(order, opt["fsi_viscous"] == "narrow")
-        records = make_records(problem, self.op, self.h)
-        of_share = records, op.halo, opt["fsi_partition"]
-        shares = shares_of(comm.size, problem, self.op, *of_share)
-        pairs = zip(records, shares, strict=True)
-        points = [note_share(record, share, comm.rank, op.halo) for record, share in pairs]
-        # what ranks send each other of a stage: the records, and layers with their halos
-        dof = np.array([DOF[layer.kind] for layer in problem.layers])
-        sizes = records.nbytes // 8, *(dof * points)
-        memory = zeros(sum(sizes))
-        of_records, *local = np.split(memory, np.cumsum(sizes)[:-1])
-        self.records = of_records.view(RECORD)
-        self.records[:] = records
-        begins = np.cumsum([0, *(dof * (records["own_hi"] - records["own_lo"]))]).tolist()
-        self.y, total, self.k = zeros((3, begins[-1]))
+        gases = sum(layer.kind == "fluid" for layer in problem.layers)
+        count, noted = 2 * len(problem.layers), rates.NOTES * len(problem.interfaces)
+        numbers = self._lay_journal(step_record(len(problem.interfaces), gases), count)
+        # what ranks tell each other after a step comes first
+        told, sums = np.split(numbers, [self.results.size + count + noted])
+        _, bounds, notes = np.split(told, [self.results.size, self.results.size + count])
+        self.bounds = bounds.reshape(-1, 2)
+        self.layers, memory, k = layers_of(comm, problem, opt, self.op, self.bounds)
+        self.parts = {v.number: v for v in self.layers if v.own[0] < v.own[1]}
+        self.shapes = [(v.size,) for v in self.layers]
+        q, (y, total) = memory[count:], zeros((2, k.size))
+        of_steps = rates.Steps(q, y, total, k, self.batch, told, self.results, bounds, notes, sums)
+        self.changing = memory, *(v.active for v in self.layers), self.results, self.batch
+        self.y = zeros(sum(v.owned.size for v in self.layers))
         self.solution = PETSc.Vec().createWithArray(self.y, comm=comm)
-        of_steps = self._lay_results(int(sum(dof == DOF["fluid"])))
-        self.changing = self.y, self.records, self.results, self.batch
-        self.layers = []
-        for k, layer in enumerate(problem.layers):
-            ends = tuple(problem.end(k, side) for side in (0, 1))
-            place, vectors = slice(begins[k], begins[k + 1]), (self.y, total, self.k)
-            where = local[k].reshape(dof[k], -1), place, vectors
-            of_layer = self.records[k:][:1], shares[k], op, *where, self.bounds[k], self.batch
-            self.layers.append(Layer(layer, ends, *of_layer))
-        self.shapes = [(n,) for n in records["n"].tolist()]
-        self.parts = {layer.number: layer for layer in self.layers if layer.present}
-        kind, notes = opt["fsi_coupling"], of_steps.notes.reshape(steps.NOTES, -1)
-        rooms = np.zeros((len(problem.interfaces), sum(DOF.values()), op.n))
-        self.interfaces = [
-            Interface(kind, [self.layers[n] for n in pair], k, notes, rooms, memory, comm.rank)
-            for k, pair in enumerate(problem.interfaces)
-        ]
-        rows = [route for one in self.interfaces for route in one.routes]
-        halos = [route for layer in self.layers for route in layer.routes(comm.rank, memory)]
+        rooms = np.zeros((len(problem.interfaces), sum(DOF.values()), row_length(self.op)))
+        self.interfaces, rows = [], list[Route]()
+        kind, of_all = opt["fsi_coupling"], (notes.reshape(rates.NOTES, -1), rooms, memory)
+        for number, pair in enumerate(problem.interfaces):
+            sides = [self.layers[k] for k in pair]
+            one, found = interface_of(kind, sides, comm.rank, number, *of_all)
+            self.interfaces.append(one)
+            rows += found
+        halos = routes_of(self.layers, comm.rank, memory)
         self._rows = Exchange(comm, ROWS_TAG, rows, rooms, memory)
         self._halos = Exchange(comm, HALOS_TAG, halos, memory, memory)
         self._load_procedures(of_steps, announce)
 
-    def _lay_results(self, gases: int) -> steps.Steps:
-        """Make what is known after a step: what ranks tell each other comes first."""
-        record = step_record(len(self.problem.interfaces), gases)
-        noted, count = len(self.problem.interfaces) * steps.NOTES, 2 * len(self.records)
-        numbers = self._lay_journal(record, count)
-        first = self.results.size
-        rates, notes = numbers[first:][:count], numbers[first + count :][:noted]
-        self.bounds = rates.reshape(-1, 2)
-        told, sums = np.split(numbers, [first + count + noted])
-        return steps.Steps(told, self.results, rates, notes, sums)
-
-    def _load_procedures(self, of_steps: steps.Steps, announce: Callable[[str], None]) -> None:
+    def _load_procedures(self, of_steps: rates.Steps, announce: Callable[[str], None]) -> None:
         """Record all procedures, the same ones on all ranks, and make machine code of them."""
-        code = calling_code(exchange_text())
-        solid = next(layer.number for layer in self.layers if not layer.is_gas)
+        code, wanted = calling_code(exchange_text()), list[tuple[str, int, Any, Any]]()
         for layer in self.layers:
-            place = ("left", "solid", "right")[layer.number - solid + 1]
-            layer.does = steps.of_layer(code, place, layer.part, of_steps)
+            for name, f in OF_LAYERS[layer.layer.kind].items():
+                of = (layer, of_steps) if name == "complete" else (layer,)
+                wanted.append((name, layer.number, f, of))
         for one in self.interfaces:
-            place = ("left", "right")[one.side]
-            functions = couple, note
-            one.does = {f: code.procedure(f"{f.__name__}_{place}", f, one.sides) for f in functions}
-        functions = steps.forget, steps.tell, steps.finish
-        self._does = {f: code.procedure(f.__name__, f, of_steps) for f in functions}
+            wanted += [(f.__name__, one.number, f, (one,)) for f in (couple, note)]
+        wanted += [("advance", n, rates.advance(n), (of_steps,)) for n in range(STAGES)]
+        of_all = rates.forget, rates.tell, rates.finish
+        wanted += [(f.__name__, 0, f, (of_steps,)) for f in of_all]
+        self._does = {(a, k): code.procedure(f"{a}_{k}", f, *of) for a, k, f, of in wanted}
         planning = code.procedure("plan_next", plan_next, self.plan)
         (library,) = libraries(self.comm, [code.text], announce)
         code.load(library)
@@ -156,49 +122,55 @@ class PaperState(State):
         self._take_calls(library, planning)
 
     def phase(self, name: str, n: int, f: Array | None = None) -> list[Any]:
-        here, does, found = self.parts.values(), self._does, list[Any]()
+        does, found = self._does, list[Any]()
+
+        def of(*names: str) -> list[Any]:
+            return [does[one, k] for k in self.parts for one in names if (one, k) in does]
+
+        couplings = [k for k, one in enumerate(self.interfaces) if any(one.here)]
         if name == "fulfil" and n > 0:  # the solution fulfils the conditions
-            found += [self._rows]
-            found += [one.does[couple] for one in self.interfaces if any(one.here)]
-            found += [layer.does["close"] for layer in here if not layer.is_gas]
-            found += [self._halos]
+            found = [self._rows, *(does["couple", k] for k in couplings), *of("close"), self._halos]
         elif name in ("rates", "advance"):
             # a stage fulfils the conditions but for the ghost point, the completed solution all
-            made = [*["fill"] * (n != 0), "rates", f"{name}_{n}"]
-            found += [v.does[one] for v in here for one in made if one in v.does]
+            found = of(*["fill"] * (n != 0), "rates")
+            found += [does[name, n]] if name == "advance" else []
         elif name == "complete":
-            found += [does[steps.forget], *(layer.does["complete"] for layer in here)]
             # the owner of the solid notes an interface
-            found += [one.does[note] for one in self.interfaces if one.here[1]]
-            found += [does[steps.tell], self._reduction] if self.comm.size > 1 else []
-            found += [does[steps.finish]]
+            notes = [does["note", k] for k in couplings if self.interfaces[k].here[1]]
+            tell = [does["tell", 0], self._reduction] if self.comm.size > 1 else []
+            found = [does["forget", 0], *of(name), *notes, *tell, does["finish", 0]]
+        elif name == "stretch":
+            found = of(name)
         return [(one, ()) for one in found if not getattr(one, "empty", False)]
 
     # what is known of it
 
+    def _frames(self) -> Array:
+        """(4, layers) of FRAME, of all ranks."""
+        found = np.full((4, len(self.layers)), -np.inf)
+        for k, layer in self.parts.items():
+            found[:, k] = *(layer.active + layer.first), *layer.frame
+        self.comm.Allreduce(MPI.IN_PLACE, found, MPI.MAX)
+        return found
+
     @property
     def points(self) -> int:
         """The number of active points of all layers. Collective."""
-        self._learn_frames()
-        return int((self.records["hi"] - self.records["lo"] + 1).sum())
-
-    def _learn_frames(self) -> None:
-        """Let all ranks know where the grids of layers lie, and how they move."""
-        frames = np.array([self.records[name] for name in FRAME], float)
-        frames[:, self.records["present"] == 0] = -np.inf
-        self.comm.Allreduce(MPI.IN_PLACE, frames, MPI.MAX)
-        for name, of_layers in zip(FRAME, frames, strict=True):
-            self.records[name] = of_layers
+        lo, hi, *_ = self._frames()
+        return int((hi - lo + 1).sum())
 
     def used_up(self) -> str:
         """Which gas has no points left, or too few, and where it is."""
-        self._learn_frames()
         exhausted, too_short = self.results[[EXHAUSTED, TOO_SHORT]].tolist()
-        record = self.records[int(exhausted or too_short) - 1]
-        return used_up(record, self.problem, self.op, bool(exhausted))
+        layer = self.layers[int(exhausted or too_short) - 1]
+        m, x, end = self.problem.unit("m"), self._frames()[-1, layer.number], layer.ends[layer.side]
+        needs = f"become too short (the {self.op.name} operator needs {layer.least} points)"
+        what = "used up its points" if exhausted else needs
+        where = f"its interface at x = {x:.6g}{m} and its boundary at x = {end.x:.6g}{m}"
+        return f"fluid {layer.layer} has {what}, with {where}"
 
     def owned(self, k: int) -> Array:
-        return self.layers[k].of(self.y)
+        return self.layers[k].owned.T
 
     def numbers(self, k: int) -> Array:
         return self.layers[k].numbers
@@ -210,19 +182,21 @@ class PaperState(State):
         return names_of(kind, "exact", 1) if kind == "fluid" else SolidLayer.unknowns
 
     def powers(self, k: int, names: Sequence[str], t: float, power: int) -> Array:
+        self._do("stretch", 0)
         return self.parts[k].powers(t, power)
 
     def grids(self) -> list[dict[str, Any]]:
         """What the writer must know of the points of each layer: see RunWriter."""
-        return [{"n": int(p.record["n"]), "X": p.X} for p in self.layers]
+        return [{"n": layer.size, "X": layer.X} for layer in self.layers]
 
     def save(self) -> dict[int, Array]:
         """What is saved of this rank's points, (local, 5) by layer."""
+        self._do("stretch", 0)
         return {k: layer.saved() for k, layer in self.parts.items()}
 
     def seen(self) -> list[Seen]:
         """Values at this rank's active points."""
-        return [part.seen() for part in self.parts.values()]
+        return [layer.seen() for layer in self.parts.values()]
 
     def destroy(self) -> None:
         """Free messages and the vector."""
@@ -238,19 +212,19 @@ class PaperState(State):
         If a function of the user's fails, here alone perhaps, the step goes on, and all ranks learn
         of it when it is complete: see ``fault``.
         """
-        problem, records = self.problem, self.records
         if self._filled and not self.asks:
             return
         self._filled = True
         try:
-            for k, side, end in ((0, 0, problem.left), (-1, 1, problem.right)):
-                values, records[k]["end_heat"][side] = end.data(t)
-                records[k]["end_data"][side, : len(values)] = values
-            if problem.jumps is not None:
-                for k, interface in enumerate(self.interfaces):
-                    interface.jump[:] = problem.jumps_at(k, t)
-            for part in self.parts.values():
-                part.set_forcing(t)
+            for layer in self.layers:
+                for end, given in zip(layer.ends, layer.given, strict=True):
+                    if end is not None:
+                        values, given[-1] = end.data(t)
+                        given[: len(values)] = values
+            for k, interface in enumerate(self.interfaces if self.problem.jumps else ()):
+                interface.jump[:] = self.problem.jumps_at(k, t)
+            for layer in self.parts.values():
+                layer.set_forcing(t)
         except InputError as error:
             self.fault = self.fault or error
             self.results[SAID_STOP] = FAULT
@@ -263,11 +237,12 @@ class PaperState(State):
         """
 
         def fill() -> None:
-            for part in self.parts.values():
-                part.set_initial(part.of(self.y))
+            for layer in self.parts.values():
+                layer.set_initial()
             check_ends(self.problem, self.h)
 
         together(self.comm, fill)
+        self.show(0)
         self.set_data(0.0)
         agree(self.comm, self.fault)
 
@@ -280,30 +255,37 @@ class PaperState(State):
 
     def load(self, n: int, y: Array) -> None:
         for layer in self.parts.values():
-            layer.owned[:] = layer.of(y).T
+            layer.owned[:] = layer.of(y)
 
     def unload(self, n: int, y: Array) -> None:
         for layer in self.parts.values():
-            layer.of(y)[:] = layer.owned.T
+            layer.of(y)[:] = layer.owned
 
     def right_hand_side(self, y: Array, f: Array) -> None:
         super().right_hand_side(y, f)
-        f[:] = self.k
+        for layer in self.parts.values():
+            layer.of(f)[:] = layer.k[:, slice(*layer.own)]
 
     def show(self, n: int) -> None:
-        """Do nothing: the halos are filled."""
+        """Let PETSc's vector have the solution."""
+        self.unload(n, self.y)
+
+    def complete(self) -> None:
+        super().complete()
+        self.show(STAGES)
 
     def begin(self) -> None:
-        self.load(0, self.y)
         self._halos()
+        self.show(0)
 
     # checkpoints
 
     def more(self) -> Mapping[str, Array]:
         """Where the grids of layers lie, and how they move."""
-        self._learn_frames()
-        return {name: self.records[name].copy() for name in FRAME}
+        return dict(zip(FRAME, self._frames(), strict=True))
 
     def take(self, arrays: Mapping[str, Array]) -> None:
-        for name in FRAME:
-            self.records[name] = arrays[name]
+        for k, layer in self.parts.items():
+            lo, hi, s, x_interface = (arrays[name][k] for name in FRAME)
+            layer.active[:] = lo - layer.first, hi - layer.first
+            layer.frame[:] = s, x_interface

@@ -1,5 +1,5 @@
-"""dy/dt at a rank's points of a layer, from its points with halos, which fulfil all conditions, and
-what is monitored of them after a step.
+"""dy/dt at a rank's points of a layer, from its points with halos, which fulfil all conditions; the
+next stage of a step, and what is known of the solution after it.
 
 Gas, (4.20): compressible Navier-Stokes in a rigid frame that moves with the velocity s(t) of the
 gas's interface point, X = x - x_I(t) + X_I, mu' = 4 mu / 3, e = rho (internal energy + u^2/2):
@@ -18,27 +18,36 @@ rho = m0 / x_X:
 
 Viscous stress and conduction are inside the outer derivative: D acts twice, mu and kappa may vary;
 rates need values within twice the reach of D. The loops work on a row of scratch for each quantity.
+A layer is a fsipetsc.paper.layers.Layer.
 
-Monitored are 1/dt [1/s] at Courant number 1, by convection and diffusion, and this rank's share of
-the masses of the gases [kg/m2], then of energy [J/m2] and momentum [N s/m2] of all layers, by the
-norm of the operator, without the strip between an embedded boundary and its ghost point. Sums over
-ranks may differ by round-off: nothing that is computed on depends on them.
+After a step each layer finds 1/dt [1/s] at Courant number 1, by convection and diffusion, and this
+rank's share of the masses of the gases [kg/m2], then of energy [J/m2] and momentum [N s/m2] of all
+layers, by the norm of the operator, without the strip between an embedded boundary and its ghost
+point. Sums over ranks may differ by round-off: nothing that is computed on depends on them.
 """
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.kernels.loops import each, named, pick, variable, when
-from fsipetsc.paper.ends import beyond_boundary, end_of, outer_side
-from fsipetsc.paper.stencils import derivative, narrow_gas, narrow_solid, near_ends
-from fsipetsc.scheme.monitor import clear, collected, count, tiled
-from fsipetsc.scheme.plan import BAD
+from fsipetsc.kernels.arrays import Array
+from fsipetsc.kernels.loops import each, named, number, variable, when
+from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
+from fsipetsc.paper.ends import beyond_boundary, distance, end_of, fill_ghost, move_boundary
+from fsipetsc.paper.stencils import STIFFNESS, add_remainder, derivative, halo_of_rates, near_ends
+from fsipetsc.scheme.monitor import clear, collected, count, larger, tiled
+from fsipetsc.scheme.plan import BAD, DT, RATE, SAID_STOP, STOP, TOO_SHORT
+from fsipetsc.scheme.runge_kutta import factors
 
 #: rows of scratch
 ROWS = 15
 #: points whose rates are found together: their rows stay in the fastest memory
 PIECE = 192
+
+
+#: numbers of an interface that are noted
+NOTES = 8
 #: of the points 0 to 3: coefficients of delta, delta^2 ... in the integral from the ghost point (0)
 #: to the boundary (delta) of the cubic through them
 STRIP = np.array([[24, -22, 8, -1], [0, 36, -20, 3], [0, -18, 16, -3], [0, 4, -4, 1]]) / 24.0
@@ -74,54 +83,37 @@ class Gas(NamedTuple):
         return rho * (self.law.internal_energy(rho, T) + 0.5 * u * u)
 
 
-def own_range(layer):
-    """(a, b, A, B) among a rank's points with halos: it owns the active ones a .. b-1; A and B are
-    the first and the last active point of all."""
-    first = named(layer.own_lo - layer.halo_lo)
-    A, B = named(layer.lo - first), named(layer.hi - first)
-    a, b = np.maximum(layer.halo_lo, A), np.minimum(layer.own_hi - first, B + 1)
-    return named(a), named(b), A, B
-
-
-def widened(a, b, A, B, reach):
-    """(first, end) of the active points a .. b-1 and those within ``reach`` of them."""
+def widened(span, reach):
+    """(first, end) of the active points of a span and those within ``reach`` of them."""
+    a, b, A, B = span
     return named(np.maximum(A, a - reach)), named(np.minimum(B + 1, b + reach))
 
 
-def pieces(part):
-    """(scratch, a, b, A, B) of pieces a .. b-1 of the points; rows of scratch begin shortly before
-    the first point. Rates are forcing, or 0.
+def pieces(layer):
+    """(scratch, span) of pieces of the points; rows of scratch begin shortly before the first
+    point. Where rates are added to something, that is there.
     """
-    layer, rows, beside = part.layers[0], part.scratch, part.op.halo
-    begin, end, A, B = own_range(layer)
-    start_with(part, layer.halo_lo, begin, end)
+    k, rows = layer.k, layer.scratch
+    for c in each(k.shape[0]) if adds(layer) else ():
+        for i in each(k.shape[1], vector=True):
+            k[c, i] = 0.0 if layer.forcing is None else layer.forcing[c, i]
+    begin, end, A, B = layer.span
     for piece in each((end - begin + (PIECE - 1)) // PIECE):
         a = named(begin + piece * PIECE)
-        scratch = rows.reshape(-1)[beside - a :].reshape(rows.shape[0], rows.shape[1])
-        yield scratch, a, named(np.minimum(a + PIECE, end)), A, B
+        scratch = rows.reshape(-1)[halo_of_rates(layer.op) - a :]
+        span = a, named(np.minimum(a + PIECE, end)), A, B
+        yield scratch.reshape(rows.shape[0], rows.shape[1]), span
 
 
-def start_with(part, shift, a, b):
-    """Rates are forcing, or 0. Where these are all that stands before the rates of the points
-    a .. b-1, they get it with their rates.
-    """
-    k, n = part.k, part.k.shape[1]
-    begin, end = (n, n) if adds(part) else (pick(a < b, one - shift, n) for one in (a, b))
-    for first, last in ((0, begin), (end, n)):
-        for c in each(k.shape[0]):
-            for i in each(first, last, vector=True):
-                k[c, i] = 0.0 if part.forcing is None else part.forcing[c, i]
+def adds(layer):
+    """Whether rates are added to forcing, or to narrow terms."""
+    return layer.forcing is not None or layer.narrow
 
 
-def adds(part):
-    """Whether rates are added to what there is: to forcing, or to what narrow terms add."""
-    return part.forcing is not None or part.op.narrow
-
-
-def put(part, k, rates):
-    """Store rates of a point, or, where there are some, add them."""
+def put(layer, i, rates):
+    """Store the rates of a point, or add them to what is there."""
     for c, rate in enumerate(rates):
-        part.k[c, k] = part.k[c, k] + rate if adds(part) else rate
+        layer.k[c, i] = layer.k[c, i] + rate if adds(layer) else rate
 
 
 def entropy_keeping(gas, rho, m, e, rho_t, m_t, e_t, u_X):
@@ -140,27 +132,27 @@ def entropy_keeping(gas, rho, m, e, rho_t, m_t, e_t, u_X):
     return u * m_t + (h - 0.5 * u * u) * rho_t + gas.viscosity(T) * u_X * u_X - e_t
 
 
-def gas_rates(part):
-    """Add the rates of (4.20)."""
-    op, gas, layer, kind = part.op, part.law, part.layers[0], end_of(part)
-    (rho, m, e), side = (part.local[c] for c in range(3)), outer_side(part.ends)
-    for w, a, b, A, B in pieces(part):
-        s, per_h, shift = layer.s, 1.0 / layer.h, layer.halo_lo
-        (f0, f1), (v0, v1) = (widened(a, b, A, B, reach) for reach in (op.reach, 2 * op.reach))
+def gas_rates(layer):
+    """Find the rates of (4.20)."""
+    op, gas, kind, per_h, s = layer.op, layer.material, end_of(layer), 1.0 / layer.h, layer.frame[0]
+    rho, m, e = (layer.local[c] for c in range(3))
+    for w, span in pieces(layer):
+        a, b, A, B = span
+        (f0, f1), (v0, v1) = (widened(span, reach) for reach in (op.reach, 2 * op.reach))
         u, T, u_X, T_X, f, g, h, f_X, g_X, h_X = (w[c] for c in range(10))
         for i in each(v0, v1, vector=True):
             r = 1.0 / rho[i]
             v = m[i] * r
             u[i], T[i] = v, gas.law.temperature(rho[i], e[i] * r - 0.5 * v * v)
-        ghost, end = ((A, B), (B, A))[side]
+        ghost, end = (B, A) if layer.side else (A, B)
         if kind.gradient:  # u and T of the ghost point are others for the gradients
             own_u, own_T, seen = variable(), variable(), (v0 <= ghost) & (ghost < v1)
             with when(seen):
                 own_u.value, own_T.value = u[ghost], T[ghost]
-                u[ghost], T[ghost] = kind(part, ghost).gradient()
-        derivative(op, w, 0, w, 2, 2, f0, f1, A, B, per_h)  # u_X, T_X
-        if op.narrow:
-            narrow_gas(op, gas, layer, w, 0, 10, part.k, a, b, A, B)
+                u[ghost], T[ghost] = kind(layer, ghost).gradient()
+        derivative(op, w, 0, w, 2, 2, (f0, f1, A, B), per_h)  # u_X, T_X
+        if layer.narrow:
+            narrow_gas(layer, w, span)
         if kind.gradient:
             with when(seen):
                 u[ghost], T[ghost] = own_u.value, own_T.value
@@ -170,76 +162,187 @@ def gas_rates(part):
             mass, momentum = rho[i] * relative, m[i] * relative + pressing
             energy = e[i] * relative + u[i] * pressing - gas.conductivity(T[i]) * T_X[i]
             f[i], g[i], h[i] = mass, momentum, energy
-        derivative(op, w, 4, w, 7, 3, a, b, A, B, per_h)  # f_X, g_X, h_X
+        derivative(op, w, 4, w, 7, 3, span, per_h)  # f_X, g_X, h_X
         with when((gas.kappa == 0.0) & (a <= end) & (end < b)):
             rates = -f_X[end], -g_X[end], -h_X[end]
             h_X[end] -= entropy_keeping(gas, rho[end], m[end], e[end], *rates, u_X[end])
         for i in each(a, b, vector=True):
-            put(part, i - shift, (-f_X[i], gas.force * rho[i] - g_X[i], gas.force * m[i] - h_X[i]))
+            put(layer, i, (-f_X[i], gas.force * rho[i] - g_X[i], gas.force * m[i] - h_X[i]))
 
 
-def elastic_rates(part):
-    """Add the rates of (4.19)."""
-    op, solid, layer, q = part.op, part.law, part.layers[0], part.local
+def narrow_gas(layer, w, span):
+    """Add what narrow derivatives of (u, T), rows 0 and 1 of scratch w, make of the rates."""
+    op, gas, (u, T) = layer.op, layer.material, (w[0], w[1])
+    mu, mu_u, kappa, *scratch = (w[c] for c in range(10, 15))
+    for i in each(*widened(span, 2 * op.p), vector=True):
+        viscosity = gas.viscosity(T[i])
+        mu[i], mu_u[i], kappa[i] = viscosity, viscosity * u[i], gas.conductivity(T[i])
+    for b, y, c in ((mu, u, 1), (mu_u, u, 2), (kappa, T, 2)):
+        add_remainder(op, -1.0 / (layer.h * layer.h), b, y, scratch, layer.k[c], span)
+
+
+def elastic_rates(layer):
+    """Find the rates of (4.19)."""
+    op, solid, q, per_h = layer.op, layer.material, layer.local, 1.0 / layer.h
     u, sigma, T = (q[c] for c in range(3))
-    for w, a, b, A, B in pieces(part):
-        per_h, shift = 1.0 / layer.h, layer.halo_lo
-        f0, f1 = widened(a, b, A, B, op.reach)
+    for w, span in pieces(layer):
+        a, b, A, B = span
+        f0, f1 = widened(span, op.reach)
         T_X, x_X, net, conducted, u_X, net_X, conducted_X, stretch = (w[c] for c in range(8))
-        derivative(op, q, 2, w, 0, 2, f0, f1, A, B, per_h)  # T_X, x_X
+        derivative(op, q, 2, w, 0, 2, (f0, f1, A, B), per_h)  # T_X, x_X
         for i in each(f0, f1, vector=True):  # 1/x_X, sigma - p, kappa_e/x_X T_X
             r = 1.0 / x_X[i]
             stretch[i], net[i] = r, sigma[i] - solid.pressure(T[i], x_X[i])
             conducted[i] = solid.kappa_e * r * T_X[i]
-        derivative(op, q, 0, w, 4, 1, a, b, A, B, per_h)  # u_X
-        derivative(op, w, 2, w, 5, 2, a, b, A, B, per_h)  # net_X, conducted_X
-        if op.narrow:
-            scratch = [w[c] for c in (8, 9, 10)]
-            narrow_solid(op, solid, layer, T, stretch, scratch, part.k, a, b, A, B)
+        derivative(op, q, 0, w, 4, 1, span, per_h)  # u_X
+        derivative(op, w, 2, w, 5, 2, span, per_h)  # net_X, conducted_X
+        if layer.narrow:
+            scale, (by, *scratch) = layer.h * layer.h * solid.alpha * solid.m0, (w[8], w[9], w[10])
+            for i in each(*widened(span, min(op.reach, 2 * op.p)), vector=True):
+                by[i] = solid.kappa_e * stretch[i]
+            add_remainder(op, -1.0 / scale, by, T, scratch, layer.k[2], span)
         for i in each(a, b, vector=True):
             acceleration = net_X[i] / solid.m0 + solid.force
             warming = (net[i] * u_X[i] + conducted_X[i]) / (solid.alpha * solid.m0)
-            put(part, i - shift, (acceleration, solid.K * stretch[i] * u_X[i], warming, u[i]))
+            put(layer, i, (acceleration, solid.K * stretch[i] * u_X[i], warming, u[i]))
+
+
+def stretch(layer):
+    """scratch[0] = h x_X of a solid, at the active ones of this rank's points."""
+    derivative(layer.op, layer.local, 3, layer.scratch, 0, 1, layer.span, 1.0)
+
+
+# steps
+
+
+class Steps(NamedTuple):
+    """Of all layers on this rank, with halos: q a stage, and after a step the solution; y the
+    solution before the step; total the sum of the stages; k rates. batch: fsipetsc.scheme.plan.
+
+    told: what ranks tell each other of a step: results (fsipetsc.scheme.plan), the bounds of all
+    layers, notes of interfaces. sums: what is noted after that, from the masses of gases on.
+    """
+
+    q: Array
+    y: Array
+    total: Array
+    k: Array
+    batch: Array
+    told: Array
+    results: Array
+    bounds: Array
+    notes: Array
+    sums: Array
+
+
+def advance(stage: int) -> Callable[[Steps], None]:
+    """What makes the next stage, and the sum that becomes the solution, of the rates k of a stage
+    of the classical method.
+    """
+
+    def advance_stage(steps):
+        """Make the next stage and the sum of stages."""
+        q, y, total, (a, b) = steps.q, steps.y, steps.total, factors(stage, steps.batch[DT])
+        for i in each(q.size, vector=True):
+            k, base = steps.k[i], y[i] if stage else q[i]
+            found = (total[i] if stage else base) + b * k
+            if stage == 0:
+                y[i] = base
+            if stage == 3:
+                q[i] = found
+            else:
+                total[i], q[i] = found, base + a * k
+
+    return advance_stage
 
 
 # after a step
 
 
-def monitor_gas(part, steps):
-    """Fill rates, by the largest |u-s| + c and max(mu', kappa/cv)/rho, and add to sums; note if a
-    point is not physical."""
-    op, gas, layer, sums = part.op, part.law, part.layers[0], steps.sums
-    q, (a, b, A, B), s = part.local, own_range(layer), layer.s
-    clear(part.scratch, 3, 4)
-    for i, column in tiled(a, b):
-        rho, m, e = (q[c, i] for c in range(3))
-        u, T = gas.velocity_and_temperature(rho, m, e)
-        speed = np.absolute(u - s) + np.sqrt(gas.law.sound_speed_squared(rho, T))
+def forget(steps):
+    """Forget what is known of the step before; notes and bounds are those of the owners."""
+    steps.results[:STOP] = 0.0
+    steps.bounds[:] = -np.inf
+    steps.notes[:] = -np.inf
+    steps.sums[:] = 0.0
+
+
+def complete_gas(layer, steps):
+    """Fill the ghost point, let the boundary move over the grid, monitor the points."""
+    fill_ghost(layer)
+    move_boundary(layer, steps.results)
+    with when(distance(layer) <= number(layer.least - 2) + 1e-9):
+        steps.results[TOO_SHORT] = 1.0 + number(layer.number)
+    gas, q, h, (a, b, A, B) = layer.material, layer.local, layer.h, layer.span
+
+    def measure(i):
+        """Speeds |u-s| + c, diffusivities max(mu', kappa/cv)/rho; the least of rho and T."""
+        u, T = gas.velocity_and_temperature(q[0, i], q[1, i], q[2, i])
+        rho = q[0, i]
+        speed = np.absolute(u - layer.frame[0]) + np.sqrt(gas.law.sound_speed_squared(rho, T))
         heat = gas.conductivity(T) / gas.law.heat_capacity(rho, T)
         diffusivity = np.maximum(gas.viscosity(T), heat) / rho
-        least = np.where(T < rho, T, rho)
-        count(part.scratch, column, (speed, diffusivity, -least), (rho, m, e, T + speed))
-    extremes, (*totals, other) = collected(part.scratch, (0.0, 0.0, -np.inf), 4)
-    fastest, diffusivity, least = extremes
-    mass, momentum, energy = totals
-    finite = mass.value + momentum.value + energy.value + other.value
-    for r, i, _, _ in near_ends(op, a, b, A, B):
-        add(totals, op.norm[r] - 1.0, [q[c, i] for c in range(3)])
-    side = outer_side(part.ends)
-    strip, ghost, step = beyond_boundary(layer, side), (A, B)[side], 1 - 2 * side
+        return (speed, diffusivity, -np.where(T < rho, T, rho)), T + speed
+
+    def densities(i):
+        return [q[c, i] for c in range(3)]
+
+    found, totals, finite = surveyed(layer, (0.0, 0.0, -np.inf), measure, densities)
+    fastest, diffusivity, least = found
+    ghost, step = (B, -1) if layer.side else (A, 1)
     for k in range(4):
         i, weight = ghost + step * k, 0.0
         for coefficient in STRIP[k, ::-1]:
-            weight = (weight + float(coefficient)) * strip
+            weight = (weight + float(coefficient)) * beyond_boundary(layer)
         with when((a <= i) & (i < b)):
-            add(totals, -weight, [q[c, i] for c in range(3)])
-    h = layer.h
-    sums[layer.number // 2] += h * mass.value  # every other layer is a gas
-    sums[-2] += h * energy.value
-    sums[-1] += h * momentum.value
-    part.rates[0] = fastest.value / h
-    part.rates[1] = op.diffusion * diffusivity.value / (h * h)
-    note_bad(steps, (least.value < 0.0) & (np.absolute(finite) < np.inf))
+            add(totals, -weight, densities(i))
+    mass, momentum, energy = totals
+    steps.sums[layer.number // 2] += h * mass.value  # every other layer is a gas
+    good = (least.value < 0.0) & (np.absolute(finite) < np.inf)
+    note(layer, steps, (h, momentum, energy.value), fastest.value, diffusivity.value, good)
+
+
+def complete_solid(layer, steps):
+    """Monitor the points, in Lagrangian coordinates."""
+    solid, q, h, (_, _, A, _) = layer.material, layer.local, layer.h, layer.span
+    per_h = 1.0 / h
+
+    def measure(i):
+        """Wave moduli, and what must be positive."""
+        sigma, T = q[1, i], q[2, i]
+        j = np.maximum(i, A + 1)  # the first point has the stretch of the second one
+        x_X = (q[3, j] - q[3, j - 1]) * per_h
+        p = solid.pressure(T, x_X)
+        modulus = solid.wave_modulus(T, p, np.minimum(sigma, p), x_X)
+        return (modulus, -modulus, -x_X, -T), x_X + sigma + modulus
+
+    def densities(i):
+        return [q[0, i], 0.5 * q[0, i] * q[0, i], q[2, i]]
+
+    found, totals, finite = surveyed(layer, (0.0, *(-np.inf,) * 3), measure, densities)
+    stiffest, softest, shortest, coldest = found
+    momentum, kinetic, heat = totals
+    energy = kinetic.value + solid.alpha * heat.value
+    diffusivity = solid.kappa_e / (-shortest.value * solid.alpha * solid.m0)
+    physical = (shortest.value < 0.0) & (coldest.value < 0.0) & (softest.value <= 0.0)
+    good, speed = physical & (np.absolute(finite) < np.inf), np.sqrt(stiffest.value / solid.m0)
+    note(layer, steps, (solid.m0 * h, momentum, energy), speed, diffusivity, good)
+
+
+def surveyed(layer, least, measure, densities):
+    """Extremes of this rank's points, each at least ``least``, three integrals over h, and a number
+    that is finite if all are. measure(i): extremes of a point, and what must be finite of it.
+    """
+    a, b, _, _ = layer.span
+    clear(layer.scratch, len(least), 4)
+    for i, column in tiled(a, b):
+        extremes, other = measure(i)
+        count(layer.scratch, column, extremes, (*densities(i), other))
+    extremes, (*totals, other) = collected(layer.scratch, least, 4)
+    finite = totals[0].value + totals[1].value + totals[2].value + other.value
+    for r, i, _, _ in near_ends(layer.op, layer.span):
+        add(totals, float(layer.op.norm[r]) - 1.0, densities(i))
+    return extremes, totals, finite
 
 
 def add(totals, weight, values):
@@ -247,38 +350,36 @@ def add(totals, weight, values):
         total.value += weight * value
 
 
-def note_bad(steps, good):
+def note(layer, steps, integrals, speed, diffusivity, good):
+    """Note the integrals of a layer, its rates, and whether all its points are physical."""
+    (scale, momentum, energy), h, order = integrals, layer.h, layer.op.order
+    steps.sums[-2] += scale * energy
+    steps.sums[-1] += scale * momentum.value
+    stiffness = STIFFNESS[order] if layer.narrow else STIFFNESS_OF_WIDE
+    layer.bounds[0], layer.bounds[1] = speed / h, stiffness * diffusivity / (h * h)
     with when(~good):
         steps.results[BAD] = 1.0
 
 
-def monitor_solid(part, steps):
-    """The same, by the largest speed of waves and kappa_e/(alpha m0 x_X), in Lagrangian
-    coordinates."""
-    op, solid, layer, sums = part.op, part.law, part.layers[0], steps.sums
-    q, (a, b, A, B) = part.local, own_range(layer)
-    per_h = 1.0 / layer.h
-    clear(part.scratch, 4, 4)
-    for i, column in tiled(a, b):
-        u, sigma, T = (q[c, i] for c in range(3))
-        j = np.maximum(i, A + 1)  # the first point has the stretch of the second one
-        x_X = (q[3, j] - q[3, j - 1]) * per_h
-        p = solid.pressure(T, x_X)
-        modulus = solid.wave_modulus(T, p, np.minimum(sigma, p), x_X)
-        sums_of = u, 0.5 * u * u, T, x_X + sigma + modulus
-        count(part.scratch, column, (modulus, -modulus, -x_X, -T), sums_of)
-    extremes, (*totals, other) = collected(part.scratch, (0.0, *(-np.inf,) * 3), 4)
-    stiffest, softest, shortest, coldest = extremes
-    finite = totals[0].value + totals[1].value + totals[2].value + other.value
-    for r, i, _, _ in near_ends(op, a, b, A, B):
-        u, T = q[0, i], q[2, i]
-        add(totals, op.norm[r] - 1.0, (u, 0.5 * u * u, T))
-    h, (momentum, kinetic, heat) = layer.h, totals
-    m0_h = solid.m0 * h
-    sums[-2] += m0_h * (kinetic.value + solid.alpha * heat.value)
-    sums[-1] += m0_h * momentum.value
-    diffusivity = solid.kappa_e / (-shortest.value * solid.alpha * solid.m0)
-    part.rates[0] = np.sqrt(stiffest.value / solid.m0) / h
-    part.rates[1] = op.diffusion * diffusivity / (h * h)
-    physical = (shortest.value < 0.0) & (coldest.value < 0.0) & (softest.value <= 0.0)
-    note_bad(steps, physical & (np.absolute(finite) < np.inf))
+def tell(steps):
+    """Let what is no number be inf: the largest of numbers and of what is none would depend on
+    their order.
+    """
+    told = steps.told
+    for i in each(told.size):
+        told[i] = np.where(told[i] == told[i], told[i], np.inf)
+
+
+def finish(steps):
+    """Find the bound on the next step, from the rates of all ranks.
+
+    1/dt at Courant number 1 is the 4-norm of the largest rates of convection and diffusion: the
+    smaller of the two steps alone is too long.
+    """
+    results, bounds = steps.results, steps.bounds
+    convection, diffusion = variable(), variable()
+    for k in each(bounds.size // 2):
+        larger(convection, bounds[2 * k])
+        larger(diffusion, bounds[2 * k + 1])
+    results[RATE] = np.sqrt(np.sqrt(convection.value**4 + diffusion.value**4))
+    results[STOP] = results[SAID_STOP]

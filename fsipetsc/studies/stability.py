@@ -220,7 +220,7 @@ def derivatives_near(
             to_gas = J * np.vstack([np.zeros(3), to_gas])
             of_solid = of_rates = np.diag([1.0, 1.0, 1.0 / solid.alpha])[[1, 0, 2]]
         else:
-            in_gas, in_solid = run.layers[1].of(numbers)[:N], run.layers[0].of(numbers)
+            in_gas, in_solid = run.layers[1].of(numbers).T[:N], run.layers[0].of(numbers).T
         to = *to_gas.T, *np.linalg.pinv(of_solid).T
         near = [in_gas[:n]] * 3 + [in_solid[N - n :]] * 3
         each = zip(near, sizes, to)
