@@ -168,10 +168,8 @@ def pulse(opt: Opt) -> Problem:
         T = T0 - p0 * strain / (solid.alpha * solid.m0)
         return u, sigma + solid.K * strain, T, X + displacement
 
-    layers = (
-        SolidLayer("solid", solid, (-size, 0.0), exact_solid, exact=exact_solid),
-        FluidLayer("gas", gas, (0.0, size), exact_gas, exact=exact_gas),
-    )
+    left = SolidLayer("solid", solid, (-size, 0.0), exact_solid, exact=exact_solid)
+    layers = left, FluidLayer("gas", gas, (0.0, size), exact_gas, exact=exact_gas)
     note = f"linear acoustics: {reflection:.6g} are reflected, {transmission:.6g} go through"
     return Problem(layers, absorbing(-p0), Open(size, p0, T0), notes=(note,))
 

@@ -250,10 +250,8 @@ def shock(opt: Opt) -> Problem:
     else:
         state, left, right = HIGH._replace(p=opt["shock_ratio"] * LOW.p), Wall(0.0), clamped()
     exact = Contact(gas, solid, state)
-    layers = (
-        FluidLayer("gas", gas, (0.0, 1.0), exact.in_gas, exact=exact.in_gas),
-        SolidLayer("rod", solid, (1.0, 2.0), exact.in_solid, exact=exact.in_solid),
-    )
+    first = FluidLayer("gas", gas, (0.0, 1.0), exact.in_gas, exact=exact.in_gas)
+    layers = first, SolidLayer("rod", solid, (1.0, 2.0), exact.in_solid, exact=exact.in_solid)
     return Problem(layers, left, right, notes=exact.notes(), units="none")
 
 

@@ -72,16 +72,9 @@ def heat(opt: Opt) -> Problem:
     gains += [E @ sigma, E @ v, E @ flux_s - p0 * E @ v]
     weights = [1.0, rho0, rho0 * gas.cv, solid.m0, 1.0 / solid.K, capacity]
     # points go from right to left
-    conditions = {
-        (1, 0): u[0],
-        (2, 0): T[0],
-        (1, -1): u[-1] - v[0],
-        (2, -1): T[-1] - T_s[0],
-        (3, 0): force[-1] + sigma[0],
-        (5, 0): flux[-1] - flux_s[0],
-        (3, -1): v[-1],
-        (5, -1): T_s[-1],
-    }
+    conditions = {(1, 0): u[0], (2, 0): T[0], (3, -1): v[-1], (5, -1): T_s[-1]}
+    conditions |= {(1, -1): u[-1] - v[0], (2, -1): T[-1] - T_s[0]}
+    conditions |= {(3, 0): force[-1] + sigma[0], (5, 0): flux[-1] - flux_s[0]}
     values, vectors = eigenmodes(gains, weights, conditions)
     # what is slower than either layer alone is the state at rest under another pressure
     least = min(gas.kappa / (rho0 * gas.gamma * gas.cv), solid.kappa_e / capacity)
@@ -103,10 +96,8 @@ def heat(opt: Opt) -> Problem:
         u, sigma, T = (amplitude * np.exp(s * t) * part(X) for part in of_solid)
         return u, sigma - p0, T0 + T, X + u / s
 
-    layers = (
-        SolidLayer("solid", solid, (-1.0, 0.0), in_solid, exact=in_solid),
-        FluidLayer("gas", gas, (0.0, 1.0), in_gas, exact=in_gas),
-    )
+    left = SolidLayer("solid", solid, (-1.0, 0.0), in_solid, exact=in_solid)
+    layers = left, FluidLayer("gas", gas, (0.0, 1.0), in_gas, exact=in_gas)
     note = f"the mode decays as exp({s:.10g} t), as the linear equations have it"
     return Problem(layers, clamped(T=T0), Wall(1.0, T=T0), notes=(note,), units="none")
 
@@ -143,14 +134,8 @@ def wave(opt: Opt) -> BlockProblem:
         gains = [-div, ik * (t_xx - p) + D @ t_xy, ik * t_xy + D @ (t_yy - p)]
         gains += [conduction - gas.R * div, U, V, ik * s_xx + E @ s_xy, ik * s_xy + E @ s_yy]
         # points go from above to below
-        conditions = {
-            (2, 0): v[0],
-            (2, -1): v[-1] - V[0],
-            (6, -1): U[-1],
-            (7, -1): V[-1],
-            (6, 0): s_xy[0] - t_xy[-1],
-            (7, 0): s_yy[0] - (t_yy - p)[-1],
-        }
+        conditions = {(2, 0): v[0], (2, -1): v[-1] - V[0], (6, -1): U[-1], (7, -1): V[-1]}
+        conditions |= {(6, 0): s_xy[0] - t_xy[-1], (7, 0): s_yy[0] - (t_yy - p)[-1]}
         if gas.mu > 0:
             conditions |= {(1, 0): u[0], (1, -1): u[-1] - U[0]}
         if gas.kappa > 0:
