@@ -37,14 +37,10 @@ def blast(opt: Opt) -> BlockProblem:
         rho = power(p, 1.0 / gas.gamma)
         return rho, 0.0, 0.0, p / rho
 
-    return common.stack(
-        opt,
-        Layer("gas", gas, (0.0, 1.0), start, sides=Slip()),
-        Layer("plate", plate, (1.0, 1.25), common.at_rest(), sides=Roller()),
-        along=((0.0, 1.0),),
-        lower=NoSlip(),
-        upper=Free(1.0),
-    )
+    below = Layer("gas", gas, (0.0, 1.0), start, sides=Slip())
+    above = Layer("plate", plate, (1.0, 1.25), common.at_rest(), sides=Roller())
+    ends = {"lower": NoSlip(), "upper": Free(1.0), "along": ((0.0, 1.0),)}
+    return common.stack(opt, below, above, **ends)
 
 
 @case(
@@ -88,14 +84,10 @@ def panel(opt: Opt) -> BlockProblem:
     outside = Open(1.0, (M, 0.0), 1.0)
     sides = {(0, 0): outside, (0, 1): Outflow(p)}
     ends = {"span": ((0.0, 1.0),), "sides": Free(p) if hinged else Clamped()}
-    problem = common.stack(
-        opt,
-        Layer("panel", panel, (-h, 0.0), push, cells=across, **ends),
-        Layer("gas", gas, (0.0, height), flow, cells=rows, sides=sides, beside=Slip()),
-        along=((-0.5, 1.5),),
-        lower=Free(p),
-        upper=outside,
-    )
+    below = Layer("panel", panel, (-h, 0.0), push, cells=across, **ends)
+    above = Layer("gas", gas, (0.0, height), flow, cells=rows, sides=sides, beside=Slip())
+    where = {"lower": Free(p), "upper": outside, "along": ((-0.5, 1.5),)}
+    problem = common.stack(opt, below, above, **where)
     points = tuple(("panel", (x, -0.5 * h), Hinge()) for x in (0.0, 1.0))
     return replace(problem, points=points) if hinged else problem
 
@@ -153,13 +145,8 @@ def oblique(opt: Opt) -> BlockProblem:
         solid, across = common.elastic_of(opt, first.p), (-0.25, 0.0)
         layer = Layer("layer", solid, across, common.at_rest(), cells=18, sides=Roller())
         members, lower = [layer, *members], Clamped()
-    return common.stack(
-        opt,
-        *members,
-        along=((0.0, 3.0),),
-        lower=lower,
-        upper=Open(second.rho, (u, v), second.p / (gas.R * second.rho)),
-    )
+    upper = Open(second.rho, (u, v), second.p / (gas.R * second.rho))
+    return common.stack(opt, *members, along=((0.0, 3.0),), lower=lower, upper=upper)
 
 
 @case(
@@ -177,14 +164,12 @@ def step(opt: Opt) -> BlockProblem:
     gas, flow = common.gas_of(opt, R=1.0 / rho), common.constant(rho, M, 0.0, 1.0)
     inflow, step = Open(rho, (M, 0.0), 1.0), Slip(name="step")
     floor, above = {(0, 0): inflow, (0, 1): step}, {(0, 0): inflow, (0, 1): Outflow()}
-    return common.stack(
-        opt,
+    members = (
         Layer("before", gas, (0.0, high), flow, span=((0.0, place),), sides=floor),
         Layer("above", gas, (high, 1.0), flow, sides=above, beside=step),
-        along=((0.0, 3.0),),
-        lower=Slip(name="floor"),
-        upper=Slip(name="ceiling"),
     )
+    walls = {"lower": Slip(name="floor"), "upper": Slip(name="ceiling")}
+    return common.stack(opt, *members, along=((0.0, 3.0),), **walls)
 
 
 @case(

@@ -210,15 +210,11 @@ def box_mms(opt: Opt) -> BlockProblem:
         zero = 0.0 * where[0]
         return exact.jump(*beside, 1.0 + zero, t, *[zero] * (d - 1), 1.0 + zero)
 
-    return stack(
-        opt,
-        layer("gas", exact.fluid, 0.0, exact.exact_gas, exact.force_gas),
-        layer("solid", exact.body, 1.0, exact.exact_solid, exact.force_solid),
-        lower=NoSlip(T=lambda *where: exact.exact_gas(*where)[-1]),
-        upper=Given(exact.exact_solid),
-        along=((0.0, 1.0),) * (d - 1),
-        jumps=supplied,
-    )
+    below = layer("gas", exact.fluid, 0.0, exact.exact_gas, exact.force_gas)
+    above = layer("solid", exact.body, 1.0, exact.exact_solid, exact.force_solid)
+    wall = NoSlip(T=lambda *where: exact.exact_gas(*where)[-1])
+    ends = {"lower": wall, "upper": Given(exact.exact_solid), "along": ((0.0, 1.0),) * (d - 1)}
+    return stack(opt, below, above, jumps=supplied, **ends)
 
 
 #: half the side of the box of body_mms and of the block in the middle of its disk

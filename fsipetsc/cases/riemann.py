@@ -276,15 +276,10 @@ def tube(opt: Opt) -> BlockProblem:
         v, _, T, y = solution.in_solid(Y, t)
         return 0.0 * v, v, T, X, y
 
-    return stack(
-        opt,
-        Layer("gas", gas, (0.0, 1.0), in_gas, exact=in_gas),
-        Layer("layer", layer, (1.0, 2.0), in_solid, exact=in_solid),
-        along=((0.0, 0.25),),
-        lower=Slip(),
-        upper=Clamped(),
-        notes=solution.notes(),
-    )
+    below = Layer("gas", gas, (0.0, 1.0), in_gas, exact=in_gas)
+    above = Layer("layer", layer, (1.0, 2.0), in_solid, exact=in_solid)
+    ends = {"lower": Slip(), "upper": Clamped(), "along": ((0.0, 0.25),)}
+    return stack(opt, below, above, notes=solution.notes(), **ends)
 
 
 @case(
@@ -331,14 +326,9 @@ def elastic_piston(opt: Opt) -> BlockProblem:
         return rho * c**5, u, T * c**2
 
     solid = ElasticSolid(C**2 / 3, C**2 / 3, 0.0, 1.0, 1.0, P, law="linear", heat="elastic")
-    return stack(
-        opt,
-        Layer("rod", solid, (-0.5, 0.0), rod, exact=rod),
-        Layer("gas", Fluid(0.0, 0.0, GAMMA, 1.0), (0.0, width), gas, exact=gas),
-        lower=Free(pressure),
-        upper=Slip(),
-        units="",
-    )
+    left = Layer("rod", solid, (-0.5, 0.0), rod, exact=rod)
+    right = Layer("gas", Fluid(0.0, 0.0, GAMMA, 1.0), (0.0, width), gas, exact=gas)
+    return stack(opt, left, right, lower=Free(pressure), upper=Slip(), units="")
 
 
 @case({"fsi_h": 1 / 40, "ts_max_time": 0.5, "fsi_output_dt": 0.05, "fsi_norm": "L1", **SHOCKS})
@@ -380,11 +370,7 @@ def superseismic(opt: Opt) -> BlockProblem:
     rho, u, v, T = (lambda X, Y, t, k=k: gas(X, Y, t)[k] for k in range(4))
     outside, p = Open(rho, (u, v), T), ahead[0] * ahead[3]
     material = ElasticSolid(mu, lame, 0.0, 1.0, 1.0, p, law="linear", heat="elastic")
-    return stack(
-        opt,
-        Layer("half space", material, (-height, 0.0), solid, exact=solid, sides=Given(solid)),
-        Layer("gas", Fluid(0.0, 0.0, GAMMA, 1.0), (0.0, height), gas, exact=gas, sides=outside),
-        along=((-0.5, 1.0),),
-        lower=Given(solid),
-        upper=outside,
-    )
+    air = Fluid(0.0, 0.0, GAMMA, 1.0)
+    below = Layer("half space", material, (-height, 0.0), solid, exact=solid, sides=Given(solid))
+    above = Layer("gas", air, (0.0, height), gas, exact=gas, sides=outside)
+    return stack(opt, below, above, lower=Given(solid), upper=outside, along=((-0.5, 1.0),))

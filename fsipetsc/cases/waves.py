@@ -172,12 +172,8 @@ def wave(opt: Opt) -> BlockProblem:
         # without conduction and work of the stresses its temperature stays
         return u, v, 1.0, X + x, Y + y
 
-    return stack(
-        opt,
-        Layer("layer", solid, (-depth, 0.0), in_solid, exact=in_solid),
-        Layer("gas", gas, (0.0, height), in_gas, exact=in_gas),
-        along=((0.0, 2.0 * np.pi / k),),
-        lower=Clamped(),
-        upper=wall_for(gas),
-        notes=(f"the mode goes as exp(s t), s = {s.real:.9f} {s.imag:+.9f} i",),
-    )
+    below = Layer("layer", solid, (-depth, 0.0), in_solid, exact=in_solid)
+    above = Layer("gas", gas, (0.0, height), in_gas, exact=in_gas)
+    note = f"the mode goes as exp(s t), s = {s.real:.9f} {s.imag:+.9f} i"
+    ends = {"lower": Clamped(), "upper": wall_for(gas), "along": ((0.0, 2.0 * np.pi / k),)}
+    return stack(opt, below, above, notes=(note,), **ends)

@@ -120,10 +120,7 @@ def normal_modes(trial: Trial) -> None:
 
 
 #: frequency over sqrt(D/m) of a thin panel at the onset of flutter, and lambdas around this
-FLUTTER = {
-    "clamped": (52.0, (600.0, 650.0, 700.0)),
-    "hinged": (32.0, (320.0, 350.0, 380.0)),
-}
+FLUTTER = {"clamped": (52.0, (600.0, 650.0, 700.0)), "hinged": (32.0, (320.0, 350.0, 380.0))}
 #: order of frequencies, where stress in a clamped corner goes as r^(0.69 - 1)
 CORNER_ORDER = 1.38
 
