@@ -143,7 +143,7 @@ class BlockState(State):
         the rank goes on with the data before, so that others do not wait for its messages.
         """
         phases, first = self.phases, self._filled is None
-        instant = t, phases.instant() if phases.particles.prescribed.by_differences else 0.0
+        instant = t, phases.instant()
         if first or (phases.asks and not phases.steady and instant != self._filled):
             self._filled = instant
             try:

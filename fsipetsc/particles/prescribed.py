@@ -50,9 +50,7 @@ class Prescribed:
     """Data of conditions at the particles of this rank. Functions of the case are asked for all
     particles of a condition at once.
 
-    instant: gives a short time [s], a step for differences in time.
-
-    data: the arrays of the last instant. by_differences: some data are differences in time.
+    instant: gives a short time [s], a step for differences in time. data: those found last.
     """
 
     def __init__(
@@ -65,10 +63,10 @@ class Prescribed:
         first = (particle.members[0] for particle in particles)
         places = [problem.places(k, np.array([node]))[0] for k, node in first]
         self._x = np.array(places).reshape(n, d)
-        self.sources, self.by_differences = list[Source](), False
-        for condition, who, make, targets in self._sources_of():
-            self.sources.append(source(condition, make, self._x[who].T, who, *targets))
-            self.by_differences |= _has_motion(condition)
+        self.sources = [
+            source(condition, make, self._x[who].T, who, *targets)
+            for condition, who, make, targets in self._sources_of()
+        ]
 
     def _grouped(self, name: str) -> list[tuple[Any, Array]]:
         """(condition, numbers of its particles), for each condition of this name."""
