@@ -18,7 +18,7 @@ from fsipetsc.checks import names_of, place_text
 from fsipetsc.errors import InputError, place_of
 from fsipetsc.kernels.symbols import Symbol, derivatives
 from fsipetsc.particles.members import Face, Particle
-from fsipetsc.scheme.recorded_data import Make, Source, asked, positive, source
+from fsipetsc.scheme.recorded_data import Make, asked, positive, source
 
 Array = NDArray[Any]
 #: part of the larger one by which velocities that meet may differ; part of the velocity of a wall

@@ -127,18 +127,19 @@ class ParticleSystem:
         M_s of a solid, and M_s where work is booked. Others tell their weights in `begin`.
         """
         blocks, of = self._layout.problem.blocks, self._members[:, 0]
-        kind = np.array([SOLID if blocks[k].kind == "solid" else GAS for k in of], np.int64)
-        alpha = np.array([getattr(blocks[k].material, "alpha", 0.0) for k in of])
-        (at, apart), (weight, booked) = np.zeros((2, len(of)), np.int64), np.zeros((2, len(of)))
+        kinds = np.array([SOLID if block.kind == "solid" else GAS for block in blocks])
+        alphas = np.array([getattr(block.material, "alpha", 0.0) for block in blocks], float)
+        at, apart = np.zeros((2, len(of)), np.int64)
+        weight, inertias = np.zeros((2, len(of)))
         for k, part in self._layout.parts.items():
             rows, numbers, _ = self.own(k)
             own = part.rows(numbers)
             nodes = part.patch.ghosted_rows(own)
             weight[rows] = part.weights(nodes) * (inertia[k][nodes] if k in inertia else 1.0)
             at[rows], apart[rows] = part.begin + own, part.numbers.size
-            booked[rows] = weight[rows] * self._layout.problem.loses(k)
-        found = {"kind": kind, "at": at, "apart": apart, "weight": weight, "alpha": alpha}
-        return {**found, "inertia": booked}
+            inertias[rows] = weight[rows] * self._layout.problem.loses(k)
+        found = {"kind": kinds[of], "alpha": alphas[of], "weight": weight, "inertia": inertias}
+        return {**found, "at": at, "apart": apart}
 
     def _of_particles(self, mine: Array, most: int) -> dict[str, Array]:
         """What the record has of particles: their facts and kinds of constraints."""
