@@ -232,13 +232,9 @@ class Gas(NamedTuple):
         and (dT/T)^2/(gamma - 1)."""
         return abs(dot(change, dU) * w[2] / self.law.bulk_modulus(w[0], w[2]))
 
-    def velocity_gradient(self, w, scaled, inverse):
-        """The tensor du_i/dx_j; scaled: the tensor grad (u/T), inverse: grad (-1/T)."""
-        return scale(w[2], add(scaled, outer(w[3:-2], inverse)))
-
     def viscous_stress(self, w, scaled, inverse):
-        """The tensor tau [Pa]; scaled, inverse: as in velocity_gradient."""
-        G = self.velocity_gradient(w, scaled, inverse)
+        """The tensor tau [Pa]; scaled: the tensor grad (u/T), inverse: grad (-1/T)."""
+        G = scale(w[2], add(scaled, outer(w[3:-2], inverse)))
         mu = self.mu * self.transport.viscosity(w[2])
         return add_unit(-2.0 / 3.0 * mu * trace(G), scale(mu, add(G, transpose(G))))
 
@@ -255,9 +251,8 @@ class Gas(NamedTuple):
         """w where the potential is more by `rise`, of the same velocity and temperature, at rest in
         the body force: rho exp(-rise/(R T)), R T = dp/drho at constant T.
         """
-        return self.state(
-            w[0] * np.exp(-rise * w[0] / self.law.bulk_modulus(w[0], w[2])), w[3:-2], w[2]
-        )
+        factor = np.exp(-rise * w[0] / self.law.bulk_modulus(w[0], w[2]))
+        return self.state(w[0] * factor, w[3:-2], w[2])
 
     def diffusivity(self, w):
         """The larger of those of momentum, 4/3 mu/rho, and heat, kappa/(rho cv) [m2/s]."""

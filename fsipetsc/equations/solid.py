@@ -57,7 +57,8 @@ class Solid(NamedTuple):
     pressure [Pa] on faces that is no part of the stress; both around an axis or a centre alone.
 
     Formulas take F with lambda as its last number, where there are hoops. N, v, gradients and what
-    formulas return have d dimensions, unless they say otherwise.
+    formulas return have d dimensions, unless they say otherwise: the energy W [J/m3], the volume J,
+    the temperature [K], pressures and stresses [Pa].
     """
 
     law: Any
@@ -110,20 +111,16 @@ class Solid(NamedTuple):
         return (0.5 * len(self.around) / R) ** 2
 
     def energy(self, F):
-        """W [J/m3]."""
         return self.law.energy(self.tensor(F))
 
     def volume(self, F):
-        """J."""
         return determinant(self.tensor(F))
 
     def temperature(self, v, e, F):
-        """T [K]."""
         stored = (1.0 - self.coupled) * self.energy(F) / self.m0
         return (e - 0.5 * dot(v, v) - stored) / self.alpha
 
     def pressure_at(self, J, T):
-        """p [Pa]."""
         return self.pressing.pressure(J, T, self.m0, self.alpha)
 
     def full_stress(self, strain, T):
@@ -132,7 +129,6 @@ class Solid(NamedTuple):
         return along(self.law.stress(F), -self.pressure_at(determinant(F), T), cofactor(F))
 
     def stress_at(self, F, T):
-        """P [Pa]."""
         return corner(self.full_stress(F, T), isqrt(len(F)))
 
     def line_stress(self, F):

@@ -55,10 +55,5 @@ def add_last(c: Any, a: Vector) -> Vector:
     return (*a[:-1], a[-1] + c)
 
 
-def zeros(a: Vector) -> Vector:
-    """As many zeros as a has numbers, each of its shape."""
-    return scale(0.0, a)
-
-
 def choose(condition: Any, a: Vector, b: Vector) -> Vector:
     return tuple(np.where(condition, p, q) for p, q in zip(a, b, strict=True))

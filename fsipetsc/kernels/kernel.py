@@ -110,11 +110,8 @@ class Kernel:
 
     def add(self, array: str, layout: Layout, values: Sequence[Any], first: int = 0) -> None:
         """Add values to the components ``first`` and so on of an item."""
-        self._argument(array, "double *", layout)
-        for c, value in enumerate(values):
-            place = _place(array, layout, first + c, "i")
-            before = self.record.given(place)
-            self._stores.append((f"{place} =", self.record.apply("+", before, value)))
+        before = self.read(array, layout, len(values), first)
+        self.store(array, layout, [a + b for a, b in zip(before, values, strict=True)], first)
 
     def count(self, condition: Any) -> None:
         """Let the function return for how many items a condition holds."""

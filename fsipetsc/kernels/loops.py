@@ -161,11 +161,9 @@ class Array(NDArrayOperatorsMixin):
         offset, shape = self._offset, list(self.shape)
         if len(at) > len(shape):
             raise refuse(f"{len(at)} numbers for an array of {len(shape)} axes")
-        step: Any = 1
-        steps = []
-        for length in reversed(self.shape):
-            steps.insert(0, step)
-            step = length * step
+        steps: list[Any] = [1]
+        for length in reversed(shape[1:]):
+            steps.insert(0, length * steps[0])
         for k, one in enumerate(at):
             if isinstance(one, slice):
                 if k != len(at) - 1 or one.step is not None:

@@ -1,4 +1,5 @@
-"""Laws of hyperelastic solids with Lamé's constants: P = dW/dF, J = det F.
+"""Laws of hyperelastic solids with Lamé's constants: the stress P = dW/dF [Pa], the energy W
+[J/m3], the acoustic tensor Q [Pa] of waves along N, and a bound of its eigenvalues; J = det F.
 
 Near F = 1 energies are of second order. They are computed of such parts, without differences of
 larger numbers: j = J - 1, j - ln J, and |F|^2 - d - (J^2 - 1).
@@ -47,20 +48,17 @@ class NeoHookean(NamedTuple):
     p_ref: float
 
     def stress(self, F):
-        """P [Pa]."""
         J, j = determinant(F), determinant_excess(F)
         pull = (self.lambda_e * np.log1p(j) - self.mu_e) / J - self.p_ref
         return along(scale(self.mu_e, F), pull, cofactor(F))
 
     def energy(self, F):
-        """W [J/m3]."""
         j = determinant_excess(F)
         rest = logarithm_rest(j, determinant(F))
         shear = 0.5 * self.mu_e * (shear_excess(F) + j * j + 2.0 * rest)
         return shear + 0.5 * self.lambda_e * (j - rest) * (j - rest) - self.p_ref * j
 
     def acoustic_tensor(self, F, N):
-        """mu_e + s a a^T [Pa]."""
         a = apply(cofactor(F), N)
         return add_unit(self.mu_e, outer(scale(self._s(F), a), a))
 
@@ -120,11 +118,9 @@ class StVenantKirchhoff(NamedTuple):
         return add_unit(self.lambda_e * trace(E), scale(2.0 * self.mu_e, E))
 
     def stress(self, F):
-        """P [Pa]."""
         return along(product(F, self._hooke(F)), -self.p_ref, cofactor(F))
 
     def energy(self, F):
-        """W [J/m3]."""
         E = self._strain(F)
         of_trace = 0.5 * self.lambda_e * trace(E) * trace(E)
         return of_trace + self.mu_e * dot(E, E) - self.p_ref * determinant_excess(F)
@@ -156,9 +152,7 @@ class LinearElastic(StVenantKirchhoff):
         return along(self._hooke(F), -self.p_ref, cofactor(F))
 
     def acoustic_tensor(self, F, N):
-        """Q = mu_e + (lambda_e + mu_e) N N^T [Pa]."""
         return add_unit(self.mu_e, outer(scale(self.lambda_e + self.mu_e, N), N))
 
     def wave_modulus(self, F):
-        """m0 c^2 = 2 mu_e + lambda_e [Pa]."""
         return 2.0 * self.mu_e + self.lambda_e

@@ -15,7 +15,7 @@ import numpy as np
 
 from fsipetsc.checks import described
 from fsipetsc.equations.tensors import apply
-from fsipetsc.equations.vectors import add, zeros
+from fsipetsc.equations.vectors import add
 from fsipetsc.errors import InputError, place_in, place_of, reason
 from fsipetsc.kernels.symbols import NotRecorded, Record, Replay, Symbol, derivatives, numbers_of
 from fsipetsc.materials.hyperelastic import NeoHookean
@@ -86,7 +86,7 @@ class OwnSolid(NamedTuple):
     def wave_modulus(self, F):
         """Upper bound of m0 c^2 [Pa]: the largest row of dP/dF."""
         sizes = (tuple(map(abs, slopes)) for slopes in gradient(self.stress, F))
-        return reduce(np.maximum, reduce(add, sizes, zeros(F)))
+        return reduce(np.maximum, reduce(add, sizes))
 
     def acoustic_tensor(self, F, N):
         d, columns = len(N), []
