@@ -1,6 +1,8 @@
 """The engine on problems of the oracle of blocks, to hold one against the other: materials,
 conditions and blocks of the oracle as those of the engine."""
 
+from functools import cache
+
 import numpy as np
 from block_ledgers import complete, rates
 from mpi4py import MPI
@@ -35,12 +37,16 @@ def condition_of(given):
     return getattr(conditions, type(given).__name__)(**kept)
 
 
+@cache
+def power(n):
+    return lambda T: T**n
+
+
 def material_of(m, d):
     force = tuple(m.force) if m.force else ((0.0,) * d if d > 1 else 0.0)
     if m.kind == "gas":
         law = stiffened_gas(m.gamma, m.cv, m.p_inf) if m.p_inf else None
-        factors = [lambda T, n=n: T**n for n in m.powers]
-        transport = transport_law(*factors) if any(m.powers) else None
+        transport = transport_law(*map(power, m.powers)) if any(m.powers) else None
         return Fluid(m.mu, m.kappa, m.gamma, m.R, law, transport, force)
     more = {"pressing": gruneisen(m.gruneisen)} if m.gruneisen else {}
     return ElasticSolid(
