@@ -119,15 +119,11 @@ def _load_file(path: Path) -> ModuleType:
         setattr(module, missing, getattr(module, missing, value))
     options = getattr(module, "OPTIONS", None)
     of_options = isinstance(options, (tuple, list)) and all(isinstance(o, Option) for o in options)
-    for good, expected in (
-        (callable(getattr(module, "build", None)), "does not define a function build(opt)"),
-        (options is not None, "does not define OPTIONS, a tuple of Option, which may be ()"),
-        (of_options, "OPTIONS must be a tuple of Option (a tuple of one needs a comma)"),
-        (isinstance(module.DEFAULTS, Mapping), "DEFAULTS must be a dict: option -> value"),
-        (Path(str(module.NAME)).name == module.NAME, "NAME must be a file's name, without /"),
-    ):
-        if not good:
-            raise InputError(f"{what}: {expected}")
+    if not callable(getattr(module, "build", None)):
+        raise InputError(f"{what}: does not define a function build(opt)")
+    if not of_options or not isinstance(module.DEFAULTS, Mapping):
+        expected = "OPTIONS, a tuple of Option (of one: with a comma), and DEFAULTS, a dict"
+        raise InputError(f"{what}: expected {expected}; either may be empty")
     try:
         groups(module)
     except InputError as error:

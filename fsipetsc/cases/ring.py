@@ -27,9 +27,7 @@ OPTIONS = (
     Option("ring_pulse", float, 0.5, "Pa", "overpressure; else p is 1", check="nonnegative"),
     Option("ring_around", int, None, "", "cells around; default: by -fsi_h", check="positive"),
     Option("fluid_mu", float, 0.0, "Pa s", "viscosity of the gas", check="nonnegative"),
-    Option(
-        "fluid_kappa", float, 0.0, "W/(m K)", "heat conductivity of the gas", check="nonnegative"
-    ),
+    Option("fluid_kappa", float, 0.0, "W/(m K)", "heat conductivity", check="nonnegative"),
     Option("solid_density", float, 2.0, "kg/m3", "density m0 of the solid", check="positive"),
     Option("solid_mu", float, 1.0, "Pa", "mu_e of the solid", check="positive"),
     Option("solid_lambda", float, 1.5, "Pa", "lambda_e of the solid", check="nonnegative"),
