@@ -88,7 +88,7 @@ def wall_for(gas: Fluid) -> NoSlip | Slip:
 
 
 def cells_of(opt: Opt, length: float) -> int:
-    """Cells of the size of -fsi_h, and at least as many as the operators want."""
+    """Cells of the size of -fsi_h, at least as many as the operators want."""
     return max(2 * opt["fsi_order"], round(length / opt["fsi_h"]))
 
 

@@ -58,8 +58,7 @@ def lack(U: Numbers, flux: Sequence[Numbers], where: Numbers) -> Numbers:
 
 
 class Solution:
-    """An exact solution in d dimensions, of a gas and a solid without units: viscosity, both
-    conductivities and the law of the solid are options. A subclass has functions of (*X, t):
+    """An exact solution in d dimensions of a gas and a solid. A subclass has functions of (*X, t):
     displacement of the solid, that of the gas's grid (moved), u less the velocity of this grid
     (drift), the temperature T of both, the density rho of the gas.
 
