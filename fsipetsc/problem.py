@@ -201,7 +201,7 @@ class Problem:
 
     @property
     def invariants(self) -> dict[str, Any]:
-        """What must not change (see fsipetsc.scheme.conservation_check.Drifts): masses: (name,
+        """What must not change (see fsipetsc.scheme.observables.Drifts): masses: (name,
         numbers among the fluids) of gas layers that nothing enters or leaves; energy: whether that
         of all layers is kept. Empty where forcing or jumps change all.
         """

@@ -1,6 +1,7 @@
 """What the states of both methods have in common: steps, checkpoints, errors."""
 
 from collections.abc import Callable, Mapping
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -177,12 +178,13 @@ class State:
         self.journal = rows.reshape(-1).view(record)
         kind = [(name, record[name]) for name in record.names[2:]]
         self.latest = self.latest_numbers.view(kind)[0]
-        self.plan = plan.Plan(self.batch, self.results, rows, self.latest_numbers)
+        of_steps = {"journal": rows, "latest": self.latest_numbers}
+        self.plan = SimpleNamespace(batch=self.batch, results=self.results, **of_steps)
         return numbers
 
     @property
     def invariants(self) -> Mapping[str, Any]:
-        """What must not change, as JSON has it: see fsipetsc.scheme.conservation_check."""
+        """What must not change, as JSON has it: see fsipetsc.scheme.observables."""
         return self.problem.invariants
 
     def header(self) -> dict[str, Any]:

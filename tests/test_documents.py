@@ -94,8 +94,7 @@ def test_the_kernel_and_the_procedure_of_the_page_of_code_are_those_that_are_pri
     """But for structs that are copied into locals; without blanks and ends of lines."""
     from fsipetsc.kernels.procedure import Code
     from fsipetsc.materials.fluid import Fluid
-    from fsipetsc.scheme.gas_forms import convection_of
-    from fsipetsc.scheme.gas_kernels import gas_kernels
+    from fsipetsc.scheme.gas_kernels import convection_of, gas_kernels
     from fsipetsc.scheme.runge_kutta import advance
 
     gas, x = Fluid(0.0, 0.0, 1.4, 287.0).equations(2), np.zeros(9)

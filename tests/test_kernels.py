@@ -26,8 +26,7 @@ from fsipetsc.kernels.loops import each, number, otherwise, pick, stop, variable
 from fsipetsc.kernels.symbols import MADE, Record, Replay, derivatives, exact
 from fsipetsc.materials.stiffened_gas import PerfectGas
 from fsipetsc.materials.sutherland import ConstantTransport
-from fsipetsc.scheme.gas_forms import EntropyForm
-from fsipetsc.scheme.gas_kernels import gas_kernels
+from fsipetsc.scheme.gas_kernels import convection_of, gas_kernels
 from fsipetsc.scheme.sweep import text_of
 
 
@@ -93,8 +92,8 @@ def test_equal_operations_are_done_once_and_products_are_fused():
 def test_material_numbers_are_arguments_and_not_text():
     def text(mu, kappa, gamma):
         gas = Gas(PerfectGas(gamma, 287.0), ConstantTransport(), mu, kappa, (0.0, 0.0))
-        kernels = gas_kernels(gas, 2, EntropyForm(False), True, True)
-        return text_of(kernels, 2, 99), numbers_of(gas)
+        kernels = gas_kernels(gas, 2, convection_of("entropy", gas), True, True)
+        return text_of(kernels, 2, 99, 4), numbers_of(gas)
 
     one, other = text(1e-3, 0.02, 1.4), text(2e-3, 0.01, 5 / 3)
     assert one[0] == other[0]

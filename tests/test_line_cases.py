@@ -6,7 +6,7 @@ from helpers import computed, solve
 
 import fsipetsc
 from fsipetsc.cases import load_case
-from fsipetsc.scheme.conservation_check import Drifts
+from fsipetsc.scheme.observables import Drifts
 
 # the rod: positions and balances, and that nothing grows
 

@@ -40,7 +40,8 @@ def at_wall(x, velocity=None, T=None):
 
 def data_of(state):
     parts = state.parts.values()
-    faces = [of for part in parts for of in part.faces.record if isinstance(of, np.ndarray)]
+    faces = [of for part in parts for of in vars(part.faces.record).values()]
+    faces = [of for of in faces if isinstance(of, np.ndarray)]
     forcing = [part.forcing for part in parts if part.forcing is not None]
     prescribed = state.phases.particles.prescribed
     return [*prescribed.data, *faces, *forcing]

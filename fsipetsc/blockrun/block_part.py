@@ -17,7 +17,7 @@ from fsipetsc.kernels.symbols import Symbol, numbers_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.monitor import MONITORED
 from fsipetsc.scheme.part import Nothing
-from fsipetsc.scheme.recorded_data import source
+from fsipetsc.scheme.recorded_data import Source
 from fsipetsc.scheme.sweep import in_order
 
 Array = NDArray[Any]
@@ -51,7 +51,7 @@ class BlockPart:
         if self.block.forcing is not None:
             rows, x = d + 2 if self.block.kind == "fluid" else 2 * d + 1, self.X[:, self.owned]
             self.forcing = np.zeros((rows, self.owned.size))
-            self.sources.append(source("forcing", self._forced, x, None, *self.forcing))
+            self.sources.append(Source("forcing", self._forced, x, None, *self.forcing))
 
     def _forced(self, x: Any, t: Any) -> Any:
         """The forcing, of numbers or symbols."""

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,7 +22,7 @@ from fsipetsc.process.together import agree, together
 from fsipetsc.scheme.monitor import MONITORED
 from fsipetsc.scheme.observables import PLACES, VELOCITIES
 from fsipetsc.scheme.plan import SAID_STOP
-from fsipetsc.scheme.runge_kutta import STAGES, Found
+from fsipetsc.scheme.runge_kutta import STAGES
 from fsipetsc.state import FAULT, Seen, State
 
 #: by order: how much shorter steps are with dissipation of strength 1 at shocks. That alone is a
@@ -79,7 +80,7 @@ class BlockState(State):
         at = saved.slices(self.latest.dtype)
         first, last = (at.get(saved.OF_INTERFACES[k], slice(0, 0)) for k in (0, -1))
         ends = self.latest_numbers[first.start : last.stop]
-        found = Found(
+        found = SimpleNamespace(
             y=self.y.array,
             stages=tuple(stage.array for stage in self._now[1:]),
             total=zeros(self.layout.local_size),

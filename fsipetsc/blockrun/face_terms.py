@@ -4,6 +4,7 @@ fsipetsc.scheme.face_kernels.
 
 from collections.abc import Sequence
 from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -17,9 +18,9 @@ from fsipetsc.checks import checked, place_text
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.symbols import Symbol, numbers_of
 from fsipetsc.parallel.block_layout import Part
-from fsipetsc.scheme.face_kernels import GasFaces, Group, SolidFaces, Turned
+from fsipetsc.scheme.face_kernels import GasFaces, SolidFaces
 from fsipetsc.scheme.part import Nothing
-from fsipetsc.scheme.recorded_data import Source, asked, positive, source
+from fsipetsc.scheme.recorded_data import Source, asked, positive
 
 Array = NDArray[Any]
 #: data that must be above 0
@@ -52,15 +53,20 @@ class FaceTerms:
         listed = [nodes_of(problem, part, axis, side) for axis, side, *_ in acting]
         nodes = [np.concatenate(values) for values in zip(*listed, strict=True)]
         n = nodes[0].size
-        numbers, vectors = np.zeros((3, n)), np.zeros((2, n, d))
         which = [effects.index(face[3]) for face in acting]
         of_nodes = np.repeat(which, [own.size for _, own, *_ in listed])
         begins = np.searchsorted(of_nodes, range(len(effects) + 1)).tolist()
-        groups = tuple(map(Group, effects, begins, np.diff(begins).tolist()))
+        each = zip(effects, begins, np.diff(begins).tolist(), strict=False)
+        groups = tuple(SimpleNamespace(effect=e, begin=at, nodes=count) for e, at, count in each)
+        names = "at", "own", "axis", "sign", "per_weight", "across", "column"
+        of_both: dict[str, Any] = dict(zip(names, nodes, strict=True), groups=groups)
+        of_both["pressure"], of_both["heat"], more = np.zeros((3, n))
         if self._gas:
-            self.record = GasFaces(*nodes, np.zeros((n, d + 2)), *numbers, groups)
+            self.record = GasFaces(**of_both, outside=np.zeros((n, d + 2)), width=more)
         else:
-            self.record = SolidFaces(*nodes, vectors[0], *numbers, vectors[1], X, (), groups)
+            traction, normal = np.zeros((2, n, d))
+            own = {"traction": traction, "normal": normal, "X": X, "turned": ()}
+            self.record = SolidFaces(**of_both, **own, stress=more)
         end, turned = 0, []
         for (axis, side, condition, effect), (_, own, *_) in zip(acting, listed, strict=True):
             where, end = slice(end, end + own.size), end + own.size
@@ -77,7 +83,7 @@ class FaceTerms:
                 self.record.width[where] = np.linalg.norm(high - low, axis=0).mean()
         if turned:
             self._cubes, faces = zip(*turned)  # what addresses of the faces point to
-            self.record = self.record._replace(turned=faces)
+            self.record.turned = faces
 
     def _take(self, condition: Any, X: Array, at: slice) -> None:
         """Take the data of a face, with nodes here or without, of which p_ref is a part."""
@@ -87,12 +93,12 @@ class FaceTerms:
             record.pressure[at] = 0.0 - self.p_ref
         if supplied and not self._gas and self._jumps is not None:
             to = record.traction, record.heat
-            self.sources.append(source(condition, self._supplied, X.T, rows, *to))
+            self.sources.append(Source(condition, self._supplied, X.T, rows, *to))
         for column, names in () if supplied else COLUMNS.items():
             if getattr(condition, names[0], None) is not None:
                 less = self.p_ref if column == "pressure" and condition.loaded else 0.0
                 make = partial(_column, condition, names, less)
-                self.sources.append(source(condition, make, X.T, rows, getattr(record, column)))
+                self.sources.append(Source(condition, make, X.T, rows, getattr(record, column)))
 
     def _supplied(self, x: Any, t: Any) -> tuple[Any, Any]:
         """Traction and heat that a solid gets from outside at interfaces, of numbers or symbols."""
@@ -128,9 +134,9 @@ def _turned(problem: Any, part: Part, order: int, axis: int, side: int, nodes: s
     at = np.ravel_multi_index(places, part.patch.ghosted, order="F").ravel(order="F")
     areas = np.zeros((9, int(np.prod([end - begin for begin, end in where]))))
     address, kept = cube_of(wide, [(axis, 0)])
-    of_cube = wide.y.copy(), wide.y, at, areas
-    sign, count = 1.0 if side else -1.0, nodes.stop - nodes.start
-    return kept, Turned(address, *of_cube, 3 * axis, sign, nodes.start, count)
+    of_cube = {"address": address, "x": wide.y.copy(), "y": wide.y, "at": at, "areas": areas}
+    of_face = {"row": 3 * axis, "begin": nodes.start, "nodes": nodes.stop - nodes.start}
+    return kept, SimpleNamespace(**of_cube, **of_face, sign=1.0 if side else -1.0)
 
 
 def _left_out(problem: Any, k: int) -> float:

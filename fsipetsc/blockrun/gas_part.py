@@ -22,14 +22,12 @@ from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.particles.members import Particle
 from fsipetsc.particles.system import ParticleSystem
 from fsipetsc.scheme import gas_procedures as does
-from fsipetsc.scheme.gas_dissipation import gas_damping
-from fsipetsc.scheme.gas_forms import CONSERVED, convection_of
-from fsipetsc.scheme.gas_kernels import gas_kernels
-from fsipetsc.scheme.gas_sweep import gas_volume, row_of
+from fsipetsc.scheme.gas_dissipation import GasDamping
+from fsipetsc.scheme.gas_kernels import CONSERVED, convection_of, gas_kernels
+from fsipetsc.scheme.gas_sweep import GasSweep
 from fsipetsc.scheme.monitor import COLUMNS, MONITORED
 from fsipetsc.scheme.normals import normals, turned_faces
-from fsipetsc.scheme.part import Ends, Nothing, images
-from fsipetsc.scheme.radial import Radial, Straight
+from fsipetsc.scheme.part import Nothing, images
 from fsipetsc.scheme.sweep import text_of
 
 Array = NDArray[Any]
@@ -101,13 +99,12 @@ class GasPart(BlockPart):
         damping: Any = Nothing()
         if sigma > 0.0 or shock > 0.0:
             found = differences(d, self._order, bands, self.block.cells)
-            damping = gas_damping(d, self.convection.raises, found, sigma, shock)
+            damping = GasDamping(d, self.convection.raises, found, sigma, shock)
         made = gas_kernels(self.equations, d, self.convection, self.viscous, self.moves)
-        self.volume = gas_volume(self.equations, d, made, bands, part.patch)
+        self.volume = GasSweep(self.equations, d, made, bands, part.patch)
         potential = self.volume.potential
         potential[:] = -dot(self.equations.force, self.X)[: potential.size]
         room = np.zeros(((d + 1) ** 2, self.X.shape[1])) if self.block.material.mu else None
-        around = Radial(self._grid, room)
         record = SimpleNamespace(
             **self._common(begins),
             columns=np.array(sums),
@@ -116,7 +113,8 @@ class GasPart(BlockPart):
             form=self.convection,
             forced=any(self.equations.force),
             dissipation=damping,
-            axis=around if self._problem.symmetry else Straight(),
+            around=self._problem.symmetry > 0,
+            hoops=room if self._problem.symmetry else None,
             column=number,
             places=self._places,
             room=np.zeros((MONITORED + len(integrals), COLUMNS)),
@@ -133,10 +131,10 @@ class GasPart(BlockPart):
         )
         moving = (does.follow, does.edge, does.move, does.swing, does.turn) if self.moves else ()
         own = does.rates, does.monitor, does.begin_grid, does.find_places, does.find_volumes
-        text = text_of(made, d, row_of(d), self._order)
+        text = text_of(made, d, self.volume.width, self._order)
         return text, record, (*moving, images, normals, *own)
 
-    def _ends(self) -> Ends:
+    def _ends(self) -> SimpleNamespace:
         """The ends of all axes here, which are none along a periodic axis and at a centre."""
         problem, part, found = self._problem, self.part, [np.zeros((4, 0))]
         for (axis, side), what in problem.faces_of(part.k).items():
@@ -144,7 +142,8 @@ class GasPart(BlockPart):
                 at, own, axes, signs, per_weight, *_ = nodes_of(problem, part, axis, side)
                 found.append(np.stack([at, own, axes, signs * per_weight]))
         *numbers, factor = np.concatenate(found, axis=1)
-        return Ends(*(n.astype(np.int64) for n in numbers), factor)
+        at, own, axes = (n.astype(np.int64) for n in numbers)
+        return SimpleNamespace(at=at, own=own, axis=axes, factor=factor)
 
     def initial(self, t: float, q: Array) -> None:
         """Fill q (M, d + 3) with the case's data, with J = 1."""

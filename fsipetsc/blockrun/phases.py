@@ -29,6 +29,7 @@ from fsipetsc.particles.system import ParticleSystem
 from fsipetsc.process.libraries import libraries
 from fsipetsc.process.together import together
 from fsipetsc.scheme import runge_kutta as stages
+from fsipetsc.scheme.part import clear
 from fsipetsc.scheme.plan import RATE, plan_next
 from fsipetsc.scheme.recorded_data import Recorder, set_time
 
@@ -49,7 +50,7 @@ class Phases:
         layout: BlockLayout,
         order: int,
         form: Any,
-        found: stages.Found,
+        found: Any,
         columns: np.dtype,
         announce: Callable[[str], None],
     ) -> None:
@@ -70,7 +71,7 @@ class Phases:
             part.at_particles = self.particles.faces_at(k)
         for gas in self.gases:
             gas.follow(particles, self.particles)
-        self.found = found._replace(left=self._left())
+        found.left = self._left()
         self._compile(columns, announce)
         self._lists = self._listed()
 
@@ -101,7 +102,7 @@ class Phases:
         self.calling = calling_code(exchange_text())
         of_step = stages.begin_monitor, stages.note_extremes, stages.note_gained
         wanted: dict[str, Any] = {f.__name__: (f, found) for f in of_step}
-        wanted["clear_gain"] = stages.clear_gain, found.gain
+        wanted["clear_gain"] = clear, found.gain.numbers
         wanted["plan_next"] = plan_next, found.plan
         wanted["begin_rates"] = stages.begin_stage(None), found
         for n in range(stages.STAGES):

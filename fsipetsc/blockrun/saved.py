@@ -3,6 +3,7 @@ are recorded at each step (-fsi_probes).
 """
 
 from collections.abc import Collection, Sequence
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,7 +23,6 @@ from fsipetsc.scheme.observables import (
     of_blocks,
     record,
 )
-from fsipetsc.scheme.part import Gain
 
 Array = np.ndarray
 
@@ -39,16 +39,16 @@ def fields_of(kind: str, d: int, symmetry: int = 0) -> tuple[str, ...]:
     return (*u, "T", *stresses, *x, *hoops) if d > 1 else ("u", "T", "sigma", "x", "p", *hoops)
 
 
-def gain_of(problem: Any) -> Gain:
+def gain_of(problem: Any) -> SimpleNamespace:
     """What comes in, as procedures have it."""
     kind = gained(problem)
     numbers, at = np.zeros(kind.itemsize // 8), slices(kind)
-    some = "mass_in", "lost_energy", "force_work"
-    mass, lost, work = (numbers[at.get(name, slice(0))] for name in some)
+    columns = {"mass": "mass_in", "lost": "lost_energy", "work": "force_work"}
+    columns |= {"energy": "energy_face", "heat": "heat_face", "total": "energy_in"}
+    found = {name: numbers[at.get(column, slice(0))] for name, column in columns.items()}
     first = at["impulse_x"].start
     impulse = numbers[first : first + problem.dimension]
-    rest = (numbers[at[name]] for name in ("energy_face", "heat_face", "energy_in"))
-    return Gain(numbers, mass, lost, work, impulse, *rest)
+    return SimpleNamespace(numbers=numbers, impulse=impulse, **found)
 
 
 def slices(kind: np.dtype) -> dict[str, slice]:

@@ -19,9 +19,9 @@ from fsipetsc.scheme import solid_procedures as does
 from fsipetsc.scheme.monitor import MONITORED
 from fsipetsc.scheme.normals import normals
 from fsipetsc.scheme.part import Nothing, images
-from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, solid_damping
+from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, SolidDamping
 from fsipetsc.scheme.solid_kernels import solid_kernels
-from fsipetsc.scheme.solid_sweep import WIDTH, solid_volume
+from fsipetsc.scheme.solid_sweep import WIDTH, SolidSweep
 from fsipetsc.scheme.sweep import text_of
 
 Array = NDArray[Any]
@@ -60,7 +60,7 @@ class SolidPart(BlockPart):
         for order_of_term, a, b in terms:
             if a > 0.0 or b > 0.0:
                 apart = differences(self._d, order_of_term, self.part.bands, self.block.cells)
-                found = solid_damping(self.equations, apart, a, b, found)
+                found = SolidDamping(self.equations, apart, a, b, found)
         return found
 
     def initial(self, t: float, q: Array) -> None:
@@ -95,7 +95,8 @@ class SolidPart(BlockPart):
 
     def measure(self, q: Array) -> None:
         """Find F (d d, M), with hoops (2, M), of the owned nodes; q: (N, 2d + 1)."""
-        self.does["measure"](np.ascontiguousarray(q.T).reshape(-1))
+        own = np.ascontiguousarray(q[self.owned].T)
+        self.does["measure"](own.reshape(-1), np.ascontiguousarray(q.T).reshape(-1))
 
     @property
     def volume_ratio(self) -> Array:
@@ -117,7 +118,7 @@ class SolidPart(BlockPart):
         record = SimpleNamespace(
             **self._common(begins),
             columns=np.array(columns),
-            volume=solid_volume(self.equations, d, kernels, part.bands, part.patch),
+            volume=SolidSweep(self.equations, d, kernels, part.bands, part.patch),
             laws=self.equations,
             dissipation=self._dissipation,
             loses=self._problem.loses(part.k),

@@ -238,7 +238,7 @@ class BlockProblem:
 
     @cached_property
     def invariants(self) -> dict[str, Any]:
-        """What must not change, as JSON has it: see fsipetsc.scheme.conservation_check.
+        """What must not change, as JSON has it: see fsipetsc.scheme.observables.
 
         Less what comes in through faces and by forces, the mass of each body of gas, momentum and
         energy; energy with the potential energy of constant forces where no mass comes in and grids

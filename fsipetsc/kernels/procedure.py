@@ -76,10 +76,10 @@ class Procedure:
             made = [self._stand_in(f"{name}_{n}", one, record) for n, one in pairs]
             return type(value)(*made) if hasattr(value, "_fields") else tuple(made)
         if isinstance(value, SimpleNamespace):
-            pairs = vars(value).items()
-            return SimpleNamespace(
-                **{n: self._stand_in(f"{name}_{n}", one, record) for n, one in pairs}
-            )
+            made = type(value).__new__(type(value))
+            for n, one in vars(value).items():
+                setattr(made, n, self._stand_in(f"{name}_{n}", one, record))
+            return made
         raise TypeError(f"{name} is {type(value).__name__}: a record has arrays and numbers")
 
     def _field(self, name: str, kind: str, value: Any) -> str:

@@ -23,8 +23,7 @@ from fsipetsc.output.file_layout import columns_of, writing
 from fsipetsc.output.info import info
 from fsipetsc.output.quantities import Quantity, chosen, there, unit_of, written
 from fsipetsc.output.reader import Run, open_run
-from fsipetsc.scheme.conservation_check import Drifts
-from fsipetsc.scheme.observables import SERIES
+from fsipetsc.scheme.observables import SERIES, Drifts
 
 WIDTH = 10.8  # inches, of a figure
 PANELS, MAPS = 2.8, 4.4  # inches, heights of a row of curves, of maps over x and t

@@ -18,7 +18,7 @@ from fsipetsc.checks import names_of, place_text
 from fsipetsc.errors import InputError, place_of
 from fsipetsc.kernels.symbols import Symbol, derivatives
 from fsipetsc.particles.members import Face, Particle
-from fsipetsc.scheme.recorded_data import Make, asked, positive, source
+from fsipetsc.scheme.recorded_data import Make, Source, asked, positive
 
 Array = NDArray[Any]
 #: part of the larger one by which velocities that meet may differ; part of the velocity of a wall
@@ -64,7 +64,7 @@ class Prescribed:
         places = [problem.places(k, np.array([node]))[0] for k, node in first]
         self._x = np.array(places).reshape(n, d)
         self.sources = [
-            source(condition, make, self._x[who].T, who, *targets)
+            Source(condition, make, self._x[who].T, who, *targets)
             for condition, who, make, targets in self._sources_of()
         ]
 

@@ -20,7 +20,7 @@ G_c is the sum of the area vectors of gas faces, S_c minus that of those at a so
 S_c is the sum over walls: what they push comes in from outside. Sticking gas and solid are one body
 of mass M + M_s. A body whose motion is given counts as infinitely heavy.
 
-What comes in is added to ``gain``, see fsipetsc.scheme.part.Gain: the work of constraints, and the
+What comes in is added to ``gain``, see fsipetsc.scheme.part: the work of constraints, and the
 change of unknowns that data replace. fsipetsc.blockrun.phases has the order of all this.
 """
 

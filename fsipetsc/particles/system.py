@@ -99,7 +99,7 @@ class ParticleSystem:
         )
 
     def procedures(self, gain: Any) -> Code:
-        """What is done with particles, recorded; gain: fsipetsc.scheme.part.Gain. Once the code is
+        """What is done with particles, recorded; gain: see fsipetsc.scheme.part. Once the code is
         loaded, and before anything else, ``does["weigh_heat"]()`` is to be called.
         """
         code, record = Code(), self.record
@@ -154,7 +154,7 @@ class ParticleSystem:
             facts[p] = tuple(known.values())
         return {"facts": facts, "constraint": constraint}
 
-    def faces_at(self, k: int) -> of_faces.Faces:
+    def faces_at(self, k: int) -> Any:
         """The faces of block k at members here whose area vectors make the normals of constraints.
 
         A member's row has G and S of each constraint; a face of the gas at a solid is in both.

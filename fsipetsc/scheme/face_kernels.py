@@ -1,18 +1,16 @@
-"""What passes faces of blocks that are open, loaded or heated: added to the rates of the nodes
-there, and, times the weights of these, to what comes in.
+"""What passes faces of blocks that are open, loaded or heated: it is added to the rates of the
+nodes there, and, times their weights, to what comes in.
 
 The volume terms let nothing pass a face. With the outward area vector n of a face per unit of its
-reference coordinates a node at it gets -f / weight, weight that of its axis; conditions know f
-(fsipetsc.blocks.conditions). All are equal to n . f for a uniform state, so that uniform flow stays
-uniform.
+reference coordinates a node gets -f / weight of the axis; conditions know f, which is n . f of a
+uniform state, so uniform flow stays uniform.
 """
 
-from typing import Any, NamedTuple
+from types import SimpleNamespace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fsipetsc.blocks.face_formulas import Effect, FaceNode
+from fsipetsc.blocks.face_formulas import FaceNode
 from fsipetsc.equations.tensors import add_unit, outer
 from fsipetsc.equations.vectors import add, dot, last_times, per, scale
 from fsipetsc.kernels.arrays import column_of, node, part_of
@@ -20,18 +18,8 @@ from fsipetsc.kernels.loops import each, invoke, variable, when
 from fsipetsc.scheme.normals import slope_at, turned
 from fsipetsc.scheme.part import area, gas_at, moving
 
-Array = NDArray[Any]
 
-
-class Group(NamedTuple):
-    """Nodes from ``begin`` on whose conditions have one effect, perhaps none on this rank."""
-
-    effect: Effect
-    begin: int
-    nodes: int
-
-
-class GasFaces(NamedTuple):
+class GasFaces(SimpleNamespace):
     """Nodes of faces of a part of a gas block through which something passes; a node at an edge
     stands there once for each of its faces.
 
@@ -40,21 +28,9 @@ class GasFaces(NamedTuple):
     the other axes. column: of the face in what comes in. outside: (n, d + 2), (rho, u, T) beyond.
     pressure: (n,) that beyond an outflow, 0 for one that is supersonic. heat: (n,) what comes in
     per area [W/m2]. width: (n,) length [m] of the gas behind an open face of first order, or the
-    slip length of a wall, else 0. groups: of the nodes, by what passes.
+    slip length of a wall, else 0. groups: records of nodes from ``begin`` on whose conditions have
+    one ``effect``; nodes: how many, perhaps none on this rank.
     """
-
-    at: Array
-    own: Array
-    axis: Array
-    sign: Array
-    per_weight: Array
-    across: Array
-    column: Array
-    outside: Array
-    pressure: Array
-    heat: Array
-    width: Array
-    groups: tuple[Group, ...]
 
     def add(self, part, q, rates, gain):
         """Add all that passes to ``rates`` (owned, d + 3) and ``gain``; q: (ghosted, d + 3)."""
@@ -63,29 +39,16 @@ class GasFaces(NamedTuple):
                 pass_face(part, self, group.effect, group.begin + i, q, rates, gain)
 
 
-class Turned(NamedTuple):
-    """A solid's face in three dimensions, whose area vectors where it is now have the curl form,
-    with derivatives within the face only, and the bits that a gas there has.
-
-    address: of its Cube (fsipetsc.blocks.metrics); x: (3, W) places less those of linear maps,
-    y: (3, W) these at rest, at: (W,) the nodes; areas: (9, n), of which rows from ``row`` on
-    are filled. sign: of the outward normal. begin, nodes: which nodes of the faces it has, perhaps
-    none on this rank.
-    """
-
-    address: int
-    x: Array
-    y: Array
-    at: Array
-    areas: Array
-    row: int
-    sign: float
-    begin: int
-    nodes: int
-
-
 def turn_face(face, q, normal):
-    """Find the outward area vectors of the nodes of a face."""
+    """Find the outward area vectors of the nodes of a solid's face in three dimensions, where it is
+    now. They have the curl form, with derivatives within the face only, and the bits that a gas
+    there has.
+
+    face: address: of its Cube (fsipetsc.blocks.metrics); x: (3, W) places less those of linear
+    maps, y: (3, W) these at rest, at: (W,) the nodes; areas: (9, n), of which rows from ``row`` on
+    are filled. sign: of the outward normal. begin, nodes: which nodes of the faces it
+    has, perhaps none on this rank.
+    """
     with when(face.nodes > 0):
         for i in each(face.at.shape[0]):
             for c in range(3):
@@ -96,29 +59,13 @@ def turn_face(face, q, normal):
                 normal[face.begin + i, c] = face.sign * face.areas[face.row + c, i]
 
 
-class SolidFaces(NamedTuple):
+class SolidFaces(SimpleNamespace):
     """The same of a solid block.
 
     traction: (n, d) per area at rest, pressure: (n,) that follows the face. stress: (n,) pulls
-    where waves leave. normal: (n, d) area vectors of the face as it is, in three
-    dimensions, which `turned` find. X: (d, ghosted) places in the reference map.
+    where waves leave. normal: (n, d) area vectors of the face as it is, in three dimensions, which
+    `turned` find. X: (d, ghosted) places in the reference map.
     """
-
-    at: Array
-    own: Array
-    axis: Array
-    sign: Array
-    per_weight: Array
-    across: Array
-    column: Array
-    traction: Array
-    pressure: Array
-    stress: Array
-    heat: Array
-    normal: Array
-    X: Array
-    turned: tuple[Turned, ...]
-    groups: tuple[Group, ...]
 
     def add(self, part, q, rates, gain):
         """Add all that loads and heats a solid to ``rates`` (owned, 2d + 1) and ``gain``; returns

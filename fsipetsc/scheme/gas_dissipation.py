@@ -1,19 +1,18 @@
 """Dissipation of a gas block: of order q everywhere, of order 1 at shocks.
 
-Both terms keep mass, momentum, energy and a uniform flow, and entropy does not fall. Along each
-axis k, with undivided differences (fsipetsc.operators.bands),
+Mass, momentum, energy and a uniform flow stay, and entropy does not fall. Along each axis k, with
+undivided differences (fsipetsc.operators.bands),
 
     (J U)_t  -=  H_k^-1 Delta_q^T  sigma/4^q (1 - alpha) lambda/(1 + eta) U_z Delta_q z,
 
 lambda = |a^k . u - g^k| + c |a^k|, z the entropy variables, U_z = dU/dz at the mean rho, u/T and
-1/T of the nodes in the middle, which is positive definite. U_z Delta_q z stands for Delta_q U,
-which it is if that is small: z has |u|^2/T, and in cold gas a jump of u is a much larger one of z.
+1/T of the nodes in the middle, which is positive definite. U_z Delta_q z is Delta_q U if that is
+small, but z has |u|^2/T: in cold gas a jump of u is a much larger one of z. So with
 
     eta = T/K Delta_q z . U_z Delta_q z,    K = rho dp/drho at constant T,
 
-is the square of this change over the state itself (for a perfect gas that of drho/rho, and
-|du|^2/(R T), and (dT/T)^2/(gamma - 1)). With 1 + eta below it the flux is never more than the state
-bears, however far neighbours are apart. eta falls with h^2q in smooth flow.
+the square of this change over the state itself, the flux is never more than the state bears. eta
+falls with h^2q in smooth flow.
 
 At shocks the flux of a pair of nodes i < l goes in part from node to node:
 
@@ -21,10 +20,9 @@ At shocks the flux of a pair of nodes i < l goes in part from node to node:
                   and      alpha_il S_il F(m, m + 1; a_il, g_il)  between m and m + 1,  i <= m < l,
 
 with F(m, m + 1; a, g) the two-point flux of neighbours through the area a and volume flux g of the
-pair. What leaves i arrives at l, and in a uniform flow each link has the flux F(i, l). With the
-potentials psi, phi of the entropy, (z_l - z_i) . F(i, l; a, g) = a . (psi_l - psi_i) -
-g (phi_l - phi_i): the links change the entropy as the pair does, whatever alpha is. F is linear in
-a and g, so neighbours have one flux, through
+pair. What leaves i arrives at l. With the potentials psi, phi of the entropy, (z_l - z_i) .
+F(i, l; a, g) = a . (psi_l - psi_i) - g (phi_l - phi_i): the links change the entropy as the pair
+does, whatever alpha is. F is linear in a and g, so neighbours have one flux, through
 
     A_m = sum alpha_il S_il a_il,   G_m = sum alpha_il S_il g_il   over all pairs with i <= m < l.
 
@@ -37,26 +35,25 @@ alpha of a pair is the largest of its nodes and of those between. At a node j
     s = |d_+ - d_-| / (|d_+| + |d_-| + size),
 
 the largest s of f = rho, p and a_j . u, with the sizes 0.05 (rho_j+1 + 2 rho_j + rho_j-1), the same
-of K, and 2 c_j |a_j|; 0 at an end, whose pairs have its neighbour's. After R. C. Swanson and E.
-Turkel, J. Comput. Phys. 101, 1992, for p and with p as the size. K is p in a perfect gas and p +
-p_inf in a stiffened one: what is small beside it is no shock. Where gas collides, or is set in
-motion at once, only u jumps at first. Of a_j . u the d_+ and d_- below 0 count, which compress. In
-smooth flow s falls with h^2 and alpha is 0.
-
-Finite volumes between the nodes of a summation-by-parts scheme: S. Hennemann et al., J. Comput.
-Phys. 426, 2021. That alpha may vary from pair to pair was derived for this program.
+of K (beside which small pressures are no shock), and 2 c_j |a_j|; 0 at an end. Of a_j . u, which
+jumps first where gas collides, the d_+ and d_- below 0 count, which compress. In smooth flow s
+falls with h^2 and alpha is 0. After R. C. Swanson and E. Turkel, J. Comput. Phys. 101, 1992, for p
+and with p as the size. Finite volumes between the nodes of a summation-by-parts scheme: S.
+Hennemann et al., J. Comput. Phys. 426, 2021. That alpha may vary from pair to pair was derived for
+this program.
 """
 
 from functools import partial
-from typing import NamedTuple
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
 from fsipetsc.equations.vectors import add, along, choose, dot, mean, scale, sub
-from fsipetsc.kernels.arrays import Array, column, column_of, put_column
+from fsipetsc.kernels.arrays import column, column_of, part_of, put_column, put_part
 from fsipetsc.kernels.loops import each, variable, when
-from fsipetsc.operators.bands import Differences, difference
-from fsipetsc.scheme.gas_force import collect_force, jump, with_force
+from fsipetsc.operators.bands import difference
+from fsipetsc.scheme.gas_force import collect_force, with_force
 from fsipetsc.scheme.part import area, clear, gas_at, moving, rows_of
 
 #: s up to which there is no shock, and how fast alpha rises from there
@@ -65,55 +62,42 @@ NO_SHOCK, RISE = 0.03, 2.5
 SMALL = 0.05
 
 
-class GasDamping(NamedTuple):
-    """Sizes of both terms, None: none. Memory, (numbers, nodes): states, entropy variables, fluxes
-    of differences after zeros, alpha, areas and volume fluxes of links, sums. In a constant force
-    there are more of these: see fsipetsc.scheme.gas_force.
+class GasDamping(SimpleNamespace):
+    """Both terms for the nodes of a patch. sigma, shock: their sizes, None: none; raises: of the
+    form of convection; found: fsipetsc.operators.bands.Differences.
+
+    Memory, (numbers, nodes): states, entropy variables, fluxes of differences after zeros, alpha,
+    areas and volume fluxes of links, sums. In a constant force there are more of these: see
+    fsipetsc.scheme.gas_force.
     """
 
-    sigma: float | None
-    shock: float | None
-    differences: Differences
-    state: Array
-    z: Array
-    F: Array
-    alpha: Array
-    link: Array
-    sums: Array
+    def __init__(self, d: int, raises: bool, found: Any, sigma: float, shock: float) -> None:
+        N = found.norm.shape[1]
+        self.sigma, self.shock, self.differences = sigma or None, shock or None, found
+        self.state, self.z, self.alpha = np.zeros((d + 5, N)), np.zeros((d + 2, N)), np.zeros(N)
+        self.F, self.link = np.zeros((d + 2 + raises, found.room(d))), np.zeros((d + 1, N))
+        self.sums = np.zeros((d + 2 + raises * (d + 1), N))
 
     def add(self, part, q, rates, gain):
-        """Add both terms to the rates."""
-        gas_dissipation(part, self, q, rates)
-
-
-def gas_damping(d: int, raises: bool, found: Differences, sigma: float, shock: float) -> GasDamping:
-    """For the nodes of a patch. raises: of the form of convection. Sizes of 0: none."""
-    N, of_links = found.norm.shape[1], d + 2 + raises * (d + 1)
-    shapes = (d + 5, N), (d + 2, N), (d + 2 + raises, found.room(d)), N, (d + 1, N), (of_links, N)
-    memory = map(np.zeros, shapes)
-    return GasDamping(sigma or None, shock or None, found, *memory)
-
-
-def gas_dissipation(part, damp, q, rates):
-    """Add both terms to the rates (M, d + 3) of the owned nodes; q: with a halo of q + 1 nodes."""
-    prepare(part, damp, q)
-    for k in range(len(part.like)):
-        stride = damp.differences.strides[k]
-        if damp.shock is not None:
-            clear(damp.sums.reshape(-1))
-            steep = partial(steepness, part, damp.state, k)
-            sense(steep, damp.alpha, stride, part.patch.ghosted[k])
-            shocks = variable(0.0)
-            for i in each(damp.alpha.size):
-                shocks.value = np.where(damp.alpha[i] > 0.0, 1.0, shocks.value)
-            with when(shocks.value > 0.0):
-                clear(damp.link.reshape(-1))
-                split_pairs(part, damp, k, stride)
-                flow_on(part, damp, stride)
-        if damp.sigma is not None:
-            fluxes(part, damp, k, stride)
-        for first, own, n in rows_of(part):
-            collect(part, damp, k, stride, first, own, n, rates)
+        """Add both terms to the rates (M, d + 3) of the owned nodes; q: with a halo of q + 1."""
+        prepare(part, self, q)
+        for k in range(len(part.like)):
+            stride = self.differences.strides[k]
+            if self.shock is not None:
+                clear(self.sums.reshape(-1))
+                steep = partial(steepness, part, self.state, k)
+                sense(steep, self.alpha, stride, part.patch.ghosted[k])
+                shocks = variable(0.0)
+                for i in each(self.alpha.size):
+                    shocks.value = np.where(self.alpha[i] > 0.0, 1.0, shocks.value)
+                with when(shocks.value > 0.0):
+                    clear(self.link.reshape(-1))
+                    split_pairs(part, self, k, stride)
+                    flow_on(part, self, stride)
+            if self.sigma is not None:
+                fluxes(part, self, k, stride)
+            for first, own, n in rows_of(part):
+                collect(part, self, k, stride, first, own, n, rates)
 
 
 def prepare(part, damp, q):
@@ -165,9 +149,6 @@ def sense(steepness, alpha, stride, length):
             alpha[i] = np.minimum(1.0, np.maximum(0.0, steep))
         for i in each(end, beyond, vector=True):
             alpha[i] = 0.0
-
-
-# of order q
 
 
 def largest(alpha, i, stride, weights):
@@ -233,45 +214,38 @@ def collect(part, damp, k, stride, first, own, n, rates):
                 power = sign * (part.volume.potential[at_node] * F[0] - found[-1])
         if raises:
             collect_force(part, sums, per_weight, power, here)
-        before = tuple(rates[here, 1 + c] for c in range(d + 2))
-        for c, rate in enumerate(along(before, per_weight, more)):
-            rates[here, 1 + c] = rate
-
-
-# at shocks
+        put_part(rates, here, 1, along(part_of(more, rates, here, 1), per_weight, more))
 
 
 def split_pairs(part, damp, k, stride):
-    """Take alpha of its flux from each pair; add to areas and volume fluxes of its links."""
-    S, length = part.S[k], part.patch.ghosted[k]
+    """Move the part alpha of its flux from each pair to links; add to their areas and volume
+    fluxes.
+    """
+    gas, form, potential, S = part.laws, part.form, part.volume.potential, part.S[k]
+    like_w, like_v = (0.0,) * (len(part.like) + 5), gas.of_grid(part.like)
+    length, grid = part.patch.ghosted[k], len(part.like) ** 2
     for i in each(damp.alpha.size):
         place, alpha = i // stride % length, variable(damp.alpha[i])
         for m in each(1, np.minimum(S.shape[0], length - place)):
-            alpha.value = np.maximum(alpha.value, damp.alpha[i + m * stride])
+            j = i + m * stride
+            alpha.value = np.maximum(alpha.value, damp.alpha[j])
             with when((alpha.value > 0.0) & (S[m, place] != 0.0)):
-                split(part, damp, alpha.value * S[m, place], k, i, m, stride)
-
-
-def split(part, damp, weight, k, i, m, stride):
-    """Move the part alpha of one pair's flux to links; the pair is node i and the one m farther on.
-
-    weight: alpha S.
-    """
-    gas, form, potential, j = part.laws, part.form, part.volume.potential, i + m * stride
-    like, like_w, like_v = part.like, (0.0,) * (len(part.like) + 5), gas.of_grid(part.like)
-    l, r = column(like_w, damp.state, i), column(like_w, damp.state, j)
-    a_l, a_r = area(part, k, i), area(part, k, j)
-    v_l, v_r = (column_of(like_v, part.metrics, len(like) ** 2, n) for n in (i, j))
-    g = gas.volume_flux(a_l, v_l, a_r, v_r)
-    F = form.any(gas, l, r, a_l, a_r, g)
-    rise = potential[j] - potential[i] if form.raises else 0.0
-    below, above = with_force(gas, form, False, F, l, r, a_l, a_r, rise)
-    put_column(damp.sums, i, 0, along(column(below, damp.sums, i), weight, below))
-    put_column(damp.sums, j, 0, along(column(above, damp.sums, j), -weight, above))
-    more, like_link = (*mean(a_l, a_r), g), (*like, 0.0)
-    for n in each(m):
-        link = i + n * stride
-        put_column(damp.link, link, 0, along(column(like_link, damp.link, link), weight, more))
+                weight = alpha.value * S[m, place]
+                l, r = column(like_w, damp.state, i), column(like_w, damp.state, j)
+                a_l, a_r = area(part, k, i), area(part, k, j)
+                v_l, v_r = (column_of(like_v, part.metrics, grid, n) for n in (i, j))
+                g = gas.volume_flux(a_l, v_l, a_r, v_r)
+                F = form.flux(gas, l, r, a_l, a_r, g)
+                rise = potential[j] - potential[i] if form.raises else 0.0
+                below, above = with_force(gas, form, False, F, l, r, a_l, a_r, rise)
+                put_column(damp.sums, i, 0, along(column(below, damp.sums, i), weight, below))
+                put_column(damp.sums, j, 0, along(column(above, damp.sums, j), -weight, above))
+                more = (*mean(a_l, a_r), g)
+                for n in each(m):
+                    link = i + n * stride
+                    put_column(
+                        damp.link, link, 0, along(column(more, damp.link, link), weight, more)
+                    )
 
 
 def flow_on(part, damp, stride):
@@ -285,8 +259,11 @@ def flow_on(part, damp, stride):
             l, r = column(like_w, damp.state, i), column(like_w, damp.state, j)
             speed = 0.5 * damp.shock * np.maximum(gas.fastest(l, a, g), gas.fastest(r, a, g))
             rise = potential[j] - potential[i] if form.raises else 0.0
-            change, F = jump(gas, form, l, r, rise), form.any(gas, l, r, a, a, g)
-            F = along(F, -speed, change)
+            both = l, r
+            if form.raises:
+                both = gas.raised(l, 0.5 * rise), gas.raised(r, -0.5 * rise)
+            change = sub(gas.densities(both[1]), gas.densities(both[0]))
+            F = along(form.flux(gas, l, r, a, a, g), -speed, change)
             below, above = with_force(gas, form, False, F, l, r, a, a, rise)
             if form.raises:
                 power = -0.5 * speed * change[0] * rise

@@ -1,5 +1,4 @@
-"""A constant force on a gas, such as gravity: there is none, or it acts node by node or pair by
-pair.
+"""A constant force b on a gas, such as gravity: it acts node by node or pair by pair.
 
 Node by node, J rho b and its power are added to the rates. A gas at rest then stays so to the order
 of the scheme only, and small motions may grow. With the two-point fluxes that conserve entropy, the
@@ -11,22 +10,21 @@ the potential does work. The energy with rho Phi has the entropy variables
 
     z~ = ((h - |u|^2/2 + Phi)/T - s, u/T, -1/T),
 
-all of which are constant in a gas at rest. Let Phi_m be the potential in the middle of a
-difference. In F = sigma/4^q lambda U_z Delta z (see there) Delta z is replaced by
+all of which are constant in a gas at rest. With Phi_m in the middle of a difference, Delta z in
+F = sigma/4^q lambda U_z Delta z is replaced by
 
     c = (Delta (z_1 + (Phi - Phi_m)/T), Delta u/T, Delta -1/T),
 
 and a node i gets - (F_rho, F_m, F_E + (Phi_m - Phi_i) F_rho). So the energy with rho Phi is kept,
-and entropy does not fall: it grows by c . U_z c > 0.
+and entropy grows by c . U_z c > 0.
 
 At shocks the link from m to m + 1 exerts the force {a} rho^ (Phi_m+1 - Phi_m)/2 of its areas on
-both nodes, as a pair does. This gives back what pairs lose, so rest is kept whatever alpha is. The
-flux of Lax and Friedrichs takes the states of both nodes, moved in the force to their mean
-potential at their own temperatures. Entropy variables of these two states differ by c, so that by
-convexity c . (U*_m+1 - U*_m) > 0; in a gas at rest both states are equal.
+both nodes, as a pair does, so rest is kept whatever alpha is. The flux of Lax and Friedrichs takes
+the states of both nodes, moved in the force to their mean potential at their own temperatures,
+which are equal in a gas at rest. Their entropy variables differ by c, so c . (U*_m+1 - U*_m) > 0.
 """
 
-from fsipetsc.equations.vectors import add_last, along, scale, sub
+from fsipetsc.equations.vectors import add_last, along, scale
 from fsipetsc.kernels.loops import each, variable
 from fsipetsc.scheme.part import ghosted_node
 
@@ -39,15 +37,6 @@ def with_force(gas, form, near, F, l, r, a_l, a_r, rise):
         return F, F
     force = gas.pair_force(l, r, a_l, a_r, rise, near)
     return (*F, *force), (*F, *scale(-1.0, force))
-
-
-def jump(gas, form, l, r, rise):
-    """Return the difference of the densities of two neighbours of which Lax and Friedrichs's flux
-    is made.
-    """
-    if form.raises:
-        l, r = gas.raised(l, 0.5 * rise), gas.raised(r, -0.5 * rise)
-    return sub(gas.densities(r), gas.densities(l))
 
 
 def collect_force(part, sums, per_weight, power, own):

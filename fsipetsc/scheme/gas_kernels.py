@@ -6,6 +6,7 @@ a^k . f_v of each axis k. Metrics are read where the block has them: a^1 … a^d
 grid, around an axis A. On a grid that moves J has a two-point flux, too: - g, that of U = 1.
 """
 
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,37 +15,56 @@ from fsipetsc.equations.gas import NEAR
 from fsipetsc.equations.tensors import outer
 from fsipetsc.equations.vectors import add, along, mean, scale, sub
 from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel, interlaced
+from fsipetsc.materials.stiffened_gas import PerfectGas, StiffenedGas
 from fsipetsc.scheme.gas_force import with_force
 from fsipetsc.scheme.sweep import KINDS, store
 
+#: laws whose entropy the two-point flux of fsipetsc.equations.gas conserves
+CONSERVED = PerfectGas, StiffenedGas
 
-class GasKernels(NamedTuple):
-    """The kernels of a gas. far: None where the form does not tell pairs apart; slope,
-    viscous_fluxes: None without viscosity; viscous, raises: whether there is viscosity, and a force
-    that acts pair by pair. numbers, sums: what a row has of a node, and what is summed of it.
+
+class Form(NamedTuple):
+    """A form of convection: which flux two nodes exchange. entropy: one that conserves entropy,
+    else the mean of the nodes' fluxes, which exists for any law; nothing is known of the entropy
+    then. raises: whether a constant force acts on the gas, which comes from its potential, pair by
+    pair (fsipetsc.scheme.gas_force); else it acts node by node.
     """
 
-    load: Kernel
-    near: Kernel
-    far: Kernel | None
-    stores: tuple[Kernel, ...]
-    slope: Kernel | None
-    viscous_fluxes: Kernel | None
-    viscous: bool
+    entropy: bool
     raises: bool
-    numbers: int
-    sums: int
+
+    def flux(self, gas, l, r, a_l, a_r, g, near=False):
+        """Return the flux of two nodes; near: their states are near one another."""
+        if self.entropy:
+            return gas.pair_flux(l, r, a_l, a_r, g, near)
+        return gas.mean_flux(l, r, a_l, a_r, g)
 
 
-def gas_kernels(gas: Any, d: int, form: Any, viscous: bool, moves: bool) -> GasKernels:
-    """All kernels of a gas in d dimensions; form: fsipetsc.scheme.gas_forms."""
+def convection_of(option: str, gas: Any) -> Form:
+    """Return the form that -fsi_convection asks for. auto: the entropy form where its flux
+    conserves the entropy of the gas's law.
+    """
+    entropy = option != "divergence" and isinstance(gas.law, CONSERVED)
+    return Form(entropy, entropy and any(gas.force))
+
+
+def gas_kernels(gas: Any, d: int, form: Form, viscous: bool, moves: bool) -> SimpleNamespace:
+    """All kernels of a gas in d dimensions. far: None where the form does not tell pairs apart;
+    slope, viscous_fluxes: None without viscosity; raises: of the form. numbers, sums: what a row
+    has of a node, and what is summed of it.
+    """
     sums, kinds = d + 2 + d * form.raises, KINDS[:1] if form.raises else KINDS
-    return GasKernels(
-        _load(gas, d, viscous),
-        *_pairs(gas, d, form, viscous, moves),
-        tuple(_store(d, sums, moves, number, kind) for number, kind in enumerate(kinds)),
-        *((_slope(gas, d), _viscous(gas, d)) if viscous else (None, None)),
-        *(viscous, form.raises, d + 5 + viscous * (1 + d * (d + 1)), sums + moves),
+    return SimpleNamespace(
+        load=_load(gas, d, viscous),
+        near=_pair(gas, d, form, viscous, moves, True),
+        far=_pair(gas, d, form, viscous, moves, False) if form.entropy else None,
+        stores=tuple(_store(d, sums, moves, number, kind) for number, kind in enumerate(kinds)),
+        slope=_slope(gas, d) if viscous else None,
+        viscous_fluxes=_viscous(gas, d) if viscous else None,
+        viscous=viscous,
+        raises=form.raises,
+        numbers=d + 5 + viscous * (1 + d * (d + 1)),
+        sums=sums + moves,
     )
 
 
@@ -57,33 +77,20 @@ def _load(gas: Any, d: int, viscous: bool) -> Kernel:
     return kernel
 
 
-def _pairs(gas: Any, d: int, form: Any, viscous: bool, moves: bool) -> tuple[Kernel, Kernel | None]:
-    """The kernel of pairs that are near one another, which counts those that are not, and the
-    kernel of these, if the form tells them apart.
+def _pair(gas: Any, d: int, form: Form, viscous: bool, moves: bool, near: bool) -> Kernel:
+    """The kernel of pairs of near nodes, which counts the other pairs, or the kernel of those. It
+    adds what the lower node of a pair loses and the upper one gains, times the weight of the
+    pair: that of the row, times that of the node. It is 0 of pairs that are not of the kernel's
+    kind; those formulas are finite for ratios of states up to 1e28.
     """
-    near = Kernel("gas_near", "The fluxes of pairs of near nodes, added to the sums of both.")
-    _pair(near, gas, d, form, viscous, moves, True)
-    if near.counted is None:
-        return near, None
-    far = Kernel("gas_far", "The fluxes of the other pairs, added to the sums of both nodes.")
-    _pair(far, gas, d, form, viscous, moves, False)
-    return near, far
-
-
-def _pair(
-    kernel: Kernel, gas: Any, d: int, form: Any, viscous: bool, moves: bool, near: bool
-) -> None:
-    """Let the kernel add what the lower node of a pair loses and the upper one gains, times the
-    weight of the pair: that of the row, times that of the node. It is 0 of pairs that are not of
-    the kernel's kind; those formulas are finite for ratios of states up to 1e28.
-    """
+    name, pairs = ("near", "pairs of near nodes") if near else ("far", "the other pairs of nodes")
+    kernel = Kernel(f"gas_{name}", f"The fluxes of {pairs}, added to the sums of both.")
     gas = kernel.parameters(gas)
     l, r = kernel.read("l", ROWS, d + 5), kernel.read("r", ROWS, d + 5)
     a_l, a_r = kernel.read("a_l", PLANES, d), kernel.read("a_r", PLANES, d)
     of_row, (of_node,) = kernel.number("of_row"), kernel.read("of_node", ROWS, 1)
-    distance = form.distance(gas, l, r)
-    if not isinstance(distance, float):
-        apart = distance > NEAR
+    if form.entropy:
+        apart = gas.pair_distance(l, r) > NEAR
         of_node = np.where(apart, *((0.0, of_node) if near else (of_node, 0.0)))
         kernel.count(apart)
     g = 0.0
@@ -91,7 +98,7 @@ def _pair(
         grid = len(gas.of_grid((0.0,) * d))
         v_l, v_r = kernel.read("v_l", PLANES, grid), kernel.read("v_r", PLANES, grid)
         g = gas.volume_flux(a_l, v_l, a_r, v_r)
-    F, rise, sums = (form.near if near else form.any)(gas, l, r, a_l, a_r, g), 0.0, d + 2
+    F, rise, sums = form.flux(gas, l, r, a_l, a_r, g, near), 0.0, d + 2
     if form.raises:
         sums += d
         (low,), (high,) = kernel.read("potential_l", ROWS, 1), kernel.read("potential_r", ROWS, 1)
@@ -106,6 +113,7 @@ def _pair(
     low, high = (kernel.read(name, ROWS, sums) for name in ("low", "high"))
     kernel.store("low", ROWS, sub(low, less))
     kernel.store("high", ROWS, add(high, more))
+    return kernel
 
 
 def _store(d: int, sums: int, moves: bool, number: int, kind: str) -> Kernel:

@@ -14,9 +14,10 @@ from fsipetsc.kernels.arrays import column, column_of, node
 from fsipetsc.kernels.loops import each, variable
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.gas_force import add_force, find_potential, note_potential
-from fsipetsc.scheme.gas_sweep import gas_sweep
 from fsipetsc.scheme.monitor import along_axes, moment, note, observe, turning
+from fsipetsc.scheme.normals import add_areas, turn_plane
 from fsipetsc.scheme.part import area, ghosted_node, ghosted_planes, moving, owned, owned_planes
+from fsipetsc.scheme.radial import add_radial
 
 
 def follow(part, particles):
@@ -30,16 +31,16 @@ def follow(part, particles):
             known[row, d + c] = np.where(alone, data.wall[n, c], particles.v[n, c])
 
 
-def begin_grid(part):
-    """Find a^k of a grid before it moves."""
-    part.grid.edge(part.known, part.metrics)
-    if len(part.like) == 3:
-        part.grid.move(part.metrics)
-
-
 def edge(part):
     """Find a^k of the grid of now on faces, as far as constraints need it."""
     part.grid.edge(part.known, part.metrics)
+
+
+def begin_grid(part):
+    """Find a^k of a grid where it is now."""
+    edge(part)
+    if len(part.like) == 3:
+        part.grid.move(part.metrics)
 
 
 def move(part):
@@ -57,20 +58,28 @@ def swing(part):
 
 def turn(part, particles):
     """Add how area vectors at constraints turn."""
-    part.axis.turn(part, particles.of_normals)
+    table, d = particles.of_normals, len(part.like)
+    if d == 3:
+        part.grid.turn()
+        add_areas(part.at_particles, d, part.grid.ahead, table, part.grid.back)
+    elif part.around:
+        add_areas(part.at_particles, d, part.grid.turning, table)
+    elif d == 2:
+        turn_plane(part, table)
 
 
 def rates(part, gain, found, y, f):
-    """Fill a gas's part of f, from that of a completed y: with rates, or where nothing adds to them
-    with a stage (fsipetsc.scheme.sweep). What comes in goes to ``gain``.
+    """Fill the part of f, from that of a completed y, with rates or stages (fsipetsc.scheme.sweep).
+    What comes in goes to ``gain``.
     """
     d = len(part.like)
     planes, of_f = ghosted_planes(part, y, d + 3), owned_planes(part, f, d + 3)
-    gas_sweep(part, found, owned_planes(part, y, d + 3), planes, of_f)
+    part.volume.sweep(part, found, owned_planes(part, y, d + 3), planes, of_f)
     q, own = planes.turned(), of_f.turned()
     if part.moves:
         add_ends(part, own)
-    part.axis.add(part, q, own, gain)
+    if part.around:
+        add_radial(part, q, own)
     part.dissipation.add(part, q, own, gain)
     part.faces.add(part, q, own, gain)
     q = owned(part, y, d + 3)
@@ -122,7 +131,10 @@ def monitor(part, found, y):
         find_places(part)
         if len(part.like) == 3:
             part.grid.find_volumes()
-    q, metrics = owned(part, y, len(part.like) + 3), part.axis.bounds(part.metrics)
+    q, metrics = owned(part, y, len(part.like) + 3), part.metrics
+    if part.around:
+        part.grid.bound(metrics)
+        metrics = part.grid.bounds
     names = gas_integrals(len(part.like))
     observe(part, names, lambda own, n: seen_at(part, q, metrics, own, n))
     note(part, found)
@@ -137,13 +149,23 @@ def gas_integrals(d):
 
 def seen_at(part, q, metrics, own, n):
     """Return the extremes at a node, and name -> integrand per volume of the reference coordinates;
-    metrics: those that bound the step.
+    metrics: those that bound the step, see the head of this file.
     """
-    gas, d = part.laws, len(part.like)
+    gas, d, convection, squares = part.laws, len(part.like), 0.0, 0.0
     here = node((0.0,) * (d + 3), q, own)
-    w, of_map = gas.primitive(here), part.reference[own]
-    convection, diffusion = bounds(gas, w, 1.0 / here[0], metrics, part.per_h, n)
-    J = part.grid.jacobian(part.metrics, n)
+    w, per_J = gas.primitive(here), 1.0 / here[0]
+    c, relative = (
+        gas.speed_of_sound(w),
+        sub(gas.velocity(w), column_of(part.like, metrics, d * d, n)),
+    )
+    for k, per_h in enumerate(part.per_h[k] for k in range(d)):
+        a = column_of(part.like, metrics, k * d, n)
+        size = dot(a, a) * per_h * per_h
+        convection = convection + (abs(dot(a, relative)) * per_h + c * np.sqrt(size))
+        squares = squares + size
+    convection = convection * per_J
+    diffusion = STIFFNESS_OF_WIDE * gas.diffusivity(w) * (squares * per_J * per_J)
+    J, of_map = part.grid.jacobian(part.metrics, n), part.reference[own]
     positive = np.minimum(np.minimum(w[0], w[2]), here[0]) > 0.0
     apart = abs(here[0] - J) / abs(J)
     known = (convection < np.inf) & (diffusion < np.inf) & (apart < np.inf)  # so are the places
@@ -157,17 +179,3 @@ def seen_at(part, q, metrics, own, n):
         "entropy": here[0] * gas.entropy_density(w),
         **dict(zip(turning(d), turns, strict=True)),
     }
-
-
-def bounds(gas, w, per_J, metrics, per_h, n):
-    """Return the rates of convection and diffusion [1/s] at a node: see the head of this file."""
-    d, convection, squares = len(gas.force), 0.0, 0.0
-    like, c = (0.0,) * d, gas.speed_of_sound(w)
-    relative = sub(gas.velocity(w), column_of(like, metrics, d * d, n))
-    for k in range(d):
-        a = column_of(like, metrics, k * d, n)
-        size = dot(a, a) * per_h[k] * per_h[k]
-        convection = convection + (abs(dot(a, relative)) * per_h[k] + c * np.sqrt(size))
-        squares = squares + size
-    spread = squares * per_J * per_J
-    return convection * per_J, STIFFNESS_OF_WIDE * gas.diffusivity(w) * spread

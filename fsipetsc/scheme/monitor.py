@@ -15,10 +15,9 @@ from fsipetsc.scheme.part import rows_of
 
 #: columns of a tile of nodes
 COLUMNS = 64
-#: extremes of a block: 1 if a state is unphysical, largest rates of convection and of diffusion
-#: [1/s], minus the least J, largest |J - det D x| / J
-UNPHYSICAL, CONVECTION, DIFFUSION, LEAST_J, J_ERROR = range(5)
-MONITORED = 5
+#: how many extremes a block has: 1 if a state is unphysical, largest rates of convection and of
+#: diffusion [1/s], minus the least J, largest |J - det D x| / J; the places of two of them
+MONITORED, CONVECTION, LEAST_J = 5, 1, 3
 
 
 def clear(room, extremes, sums, columns=COLUMNS):
@@ -83,9 +82,7 @@ def observe(part, names, seen):
 
 def note(part, found):
     """Put what the monitor found in a part into the extremes of its block and the record of the
-    step.
-
-    found: a fsipetsc.scheme.runge_kutta.Found.
+    step; found: see fsipetsc.scheme.runge_kutta.
     """
     begin, seen, sums, columns = 1 + MONITORED * part.block, part.seen, part.sums, part.columns
     extremes, latest = found.extremes, found.latest

@@ -9,18 +9,16 @@ which takes derivatives within the face only. In 1-D it does not turn. In 3-D a^
 places, and turns by 1/2 (a^k(x + x') - a^k(x - x')).
 """
 
-from typing import Any, NamedTuple
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fsipetsc.equations.vectors import along, per, scale
 from fsipetsc.kernels.loops import each, pick, variable, when
 from fsipetsc.kernels.recording import Index
 from fsipetsc.kernels.symbols import exact
 from fsipetsc.scheme.part import moving
-
-Array = NDArray[Any]
 
 
 def turned(c, a):
@@ -30,32 +28,22 @@ def turned(c, a):
     return (c * a[1], -c * a[0]) if len(a) == 2 else a
 
 
-class Faces(NamedTuple):
-    """Faces of a block at members of this rank: row of the member in a table, node in the ghosted
-    array, axis of the face, sign of its outward normal times the weights of the other axes, column
-    of the table where its area vector begins.
+def listed(part: Any, rows: list[tuple[int, int, int, float, int]]) -> SimpleNamespace:
+    """Faces of a block at members of this rank, from (row, number of the node in the block, axis,
+    sign, column): row of the member in a table, node in the ghosted array, axis of the face, sign
+    of its outward normal times the weights of the other axes, column of the table where its area
+    vector begins.
     """
-
-    row: Array
-    node: Array
-    axis: Array
-    weight: Array
-    column: Array
-
-
-def listed(part: Any, rows: list[tuple[int, int, int, float, int]]) -> Faces:
-    """From (row, number of the node in the block, axis, sign, column)."""
     row, number, axis, sign, column = np.array(rows).reshape(-1, 5).T
     row, number, axis, column = (i.astype(np.int64) for i in (row, number, axis, column))
     node = part.patch.ghosted_rows(part.rows(number))
-    nx, ny, _ = part.patch.ghosted
-    place = np.stack([node % nx, node // nx % ny, node // (nx * ny)])
+    place = np.unravel_index(node, part.patch.ghosted, order="F")
     weights = np.stack([band.weight[at] for band, at in zip(part.bands, place, strict=True)])
     weight = sign * weights.prod(axis=0) / weights[axis, np.arange(axis.size)]
-    return Faces(row, node, axis, weight, column)
+    return SimpleNamespace(row=row, node=node, axis=axis, weight=weight, column=column)
 
 
-def turned_faces(faces: Faces, patch: Any) -> list[tuple[int, int]]:
+def turned_faces(faces: Any, patch: Any) -> list[tuple[int, int]]:
     """The faces of a patch on which there are nodes: axis and index along it."""
     strides = np.cumprod([1, *patch.ghosted[:2]])
     index = faces.node // strides[faces.axis] % np.array(patch.ghosted)[faces.axis]
@@ -79,10 +67,8 @@ def normals(part, particles):
 
 
 def turn_plane(part, table):
-    """Add to a table how area vectors turn on a flat plane; in one dimension they do not."""
+    """Add to a table how area vectors turn on a flat plane."""
     faces, d = part.at_particles, len(part.like)
-    if d != 2 or not part.moves:
-        return
     for i in each(faces.row.shape[0]):
         slope = slope_at(part, faces.node[i], 1 - faces.axis[i], lambda n: moving(part, n))
         turning = turned(np.where(faces.axis[i] == 0, 1.0, -1.0) * faces.weight[i], slope)

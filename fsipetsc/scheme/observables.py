@@ -1,4 +1,4 @@
-"""What is recorded of each step: an entry for each series.
+"""What is recorded of each step: an entry for each series. What must not change of it.
 
 An entry has all that is known of a series but what computes it. Sums over nodes are computed by
 name in fsipetsc.scheme.gas_procedures and solid_procedures. Columns of records, units, labels of
@@ -8,8 +8,13 @@ pictures, what `diff` adds up, and the table of the site follow from the entries
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any, NamedTuple
 
+import numpy as np
+
 #: letters of axes, of positions and of velocities
 PLACES, VELOCITIES = "xyz", "uvw"
+#: a component of momentum less than this part of sqrt(energy times mass) is round-off
+LEAST_COMPONENT = 1e-3
+TINY = np.finfo(float).tiny
 
 
 class Observable(NamedTuple):
@@ -39,91 +44,46 @@ class Observable(NamedTuple):
 
 STEP, EXTREME, INTEGRAL, PLACE, GAIN = "step", "extreme", "integral", "place", "gain"
 _AT_ENDS, _MISSED = "at an interface in one dimension", "are apart there, in the paper's method"
-#: in the order of the columns of a record of blocks
-TABLE = (
-    Observable("t", "s", "time after the step", STEP),
-    Observable("dt", "s", "length of the step", STEP),
-    Observable("least_J", "1", "smallest J", EXTREME, "layer", label="least J"),
-    Observable(
-        "J_error", "1", "|J − det D x|/J, the largest", EXTREME, "layer", label="departure of J"
-    ),
-    Observable("mass", "kg", "mass", INTEGRAL, "gas", label="change of mass"),
-    Observable("energy", "J", "energy", INTEGRAL, label="change of energy"),
-    Observable("momentum_*", "N s", "momentum", INTEGRAL, label="change of momentum *"),
-    Observable("entropy", "J K-1", "entropy of gases", INTEGRAL, label="change of entropy"),
-    Observable(
-        "angular_momentum", "J s", "angular momentum about the origin", INTEGRAL, needs="plane"
-    ),
-    Observable(
-        "angular_momentum_*", "J s", "the same in three dimensions", INTEGRAL, needs="space"
-    ),
-    Observable(
-        "solid_energy",
-        "J",
-        'kinetic and elastic energy of solids with `heat="elastic"`',
-        INTEGRAL,
-        needs="lossy",
-    ),
-    Observable(
-        "potential_energy", "J", "−Σ m f·x with a constant force f", INTEGRAL, needs="pulled"
-    ),
-    Observable(
-        "x_interface",
-        "m",
-        f"position of the solid {_AT_ENDS}",
-        PLACE,
-        "interface",
-        "line",
-        "displacement of the interface",
-    ),
-    Observable(
-        "u_interface", "m s-1", f"its velocity {_AT_ENDS}", PLACE, "interface", "line", "velocity u"
-    ),
-    Observable(
-        "sigma_interface",
-        "Pa",
-        f"its stress σ {_AT_ENDS}",
-        PLACE,
-        "interface",
-        "line",
-        "stress σ",
-    ),
-    Observable(
-        "T_interface",
-        "K",
-        f"its temperature {_AT_ENDS}",
-        PLACE,
-        "interface",
-        "line",
-        "temperature T",
-    ),
-    *(
-        Observable(name, unit, f"by how much {what} {_MISSED}", PLACE, "interface", "paper", label)
-        for name, unit, what, label in (
-            ("residual_u", "m s-1", "velocities", "|residual|, velocity"),
-            ("residual_stress", "Pa", "stresses", "|residual|, stress"),
-            ("residual_T", "K", "temperatures", "|residual|, temperature"),
-            ("residual_flux", "W m-2", "heat fluxes", "|residual|, heat flux"),
-        )
-    ),
-    Observable(
-        "momentum", "N s", "momentum, in the paper's method", INTEGRAL, "", "paper", "momentum"
-    ),
-    Observable("*_point", "m", "position of a node that is recorded", PLACE, "point"),
-    Observable("@_point", "m s-1", "its velocity", PLACE, "point"),
-    Observable("T_point", "K", "its temperature", PLACE, "point"),
-    Observable(
-        "p_point", "Pa", "its pressure; of a solid minus its mean normal stress", PLACE, "point"
-    ),
-    Observable("t_*_point", "Pa", "traction on the solid there, at an interface", PLACE, "point"),
-    Observable("mass_in", "kg", "mass that came in", GAIN, "gas"),
-    Observable("lost_energy", "J", "what the step lost of `solid_energy`", GAIN, needs="lossy"),
-    Observable("force_work", "J", "work of constant forces", GAIN, needs="pulled"),
-    Observable("impulse_*", "N s", "momentum that came in", GAIN),
-    Observable("energy_face", "J", "energy that came in through a face", GAIN, "face"),
-    Observable("heat_face", "J", "what of it was heat by `T` or `heat_flux`", GAIN, "face"),
-    Observable("energy_in", "J", "all energy that came in", GAIN),
+_LOSSY = 'kinetic and elastic energy of solids with `heat="elastic"`'
+_MOVED, _FLUXES = "displacement of the interface", f"by how much heat fluxes {_MISSED}"
+_LINE, _PAPER = (PLACE, "interface", "line"), (PLACE, "interface", "paper")
+_ENTRIES = (
+    ("t", "s", "time after the step", STEP),
+    ("dt", "s", "length of the step", STEP),
+    ("least_J", "1", "smallest J", EXTREME, "layer", "", "least J"),
+    ("J_error", "1", "|J − det D x|/J, the largest", EXTREME, "layer", "", "departure of J"),
+    ("mass", "kg", "mass", INTEGRAL, "gas", "", "change of mass"),
+    ("energy", "J", "energy", INTEGRAL, "", "", "change of energy"),
+    ("momentum_*", "N s", "momentum", INTEGRAL, "", "", "change of momentum *"),
+    ("entropy", "J K-1", "entropy of gases", INTEGRAL, "", "", "change of entropy"),
+    ("angular_momentum", "J s", "angular momentum about the origin", INTEGRAL, "", "plane"),
+    ("angular_momentum_*", "J s", "the same in three dimensions", INTEGRAL, "", "space"),
+    ("solid_energy", "J", _LOSSY, INTEGRAL, "", "lossy"),
+    ("potential_energy", "J", "−Σ m f·x with a constant force f", INTEGRAL, "", "pulled"),
+    ("x_interface", "m", f"position of the solid {_AT_ENDS}", *_LINE, _MOVED),
+    ("u_interface", "m s-1", f"its velocity {_AT_ENDS}", *_LINE, "velocity u"),
+    ("sigma_interface", "Pa", f"its stress σ {_AT_ENDS}", *_LINE, "stress σ"),
+    ("T_interface", "K", f"its temperature {_AT_ENDS}", *_LINE, "temperature T"),
+    ("residual_u", "m s-1", f"by how much velocities {_MISSED}", *_PAPER, "|residual|, velocity"),
+    ("residual_stress", "Pa", f"by how much stresses {_MISSED}", *_PAPER, "|residual|, stress"),
+    ("residual_T", "K", f"by how much temperatures {_MISSED}", *_PAPER, "|residual|, temperature"),
+    ("residual_flux", "W m-2", _FLUXES, *_PAPER, "|residual|, heat flux"),
+    ("momentum", "N s", "momentum, in the paper's method", INTEGRAL, "", "paper", "momentum"),
+    ("*_point", "m", "position of a node that is recorded", PLACE, "point"),
+    ("@_point", "m s-1", "its velocity", PLACE, "point"),
+    ("T_point", "K", "its temperature", PLACE, "point"),
+    ("p_point", "Pa", "its pressure; of a solid minus its mean normal stress", PLACE, "point"),
+    ("t_*_point", "Pa", "traction on the solid there, at an interface", PLACE, "point"),
+    ("mass_in", "kg", "mass that came in", GAIN, "gas"),
+    ("lost_energy", "J", "what the step lost of `solid_energy`", GAIN, "", "lossy"),
+    ("force_work", "J", "work of constant forces", GAIN, "", "pulled"),
+    ("impulse_*", "N s", "momentum that came in", GAIN),
+    ("energy_face", "J", "energy that came in through a face", GAIN, "face"),
+    ("heat_face", "J", "what of it was heat by `T` or `heat_flux`", GAIN, "face"),
+    ("energy_in", "J", "all energy that came in", GAIN),
 )
+#: in the order of the columns of a record of blocks
+TABLE = tuple(Observable(*entry) for entry in _ENTRIES)
 #: name -> entry
 SERIES: Mapping[str, Observable] = {name: one for one in TABLE for name in one.names(3)}
 
@@ -132,12 +92,8 @@ def record(names: Collection[str], counts: Mapping[str, int]) -> list[tuple[Any,
     """Columns of doubles of these names, for a numpy dtype; counts: how many there are of each
     ``of``. A column of none is left out.
     """
-    found: list[tuple[Any, ...]] = []
-    for name in names:
-        of = SERIES[name].of
-        if counts.get(of, 1):
-            found.append((name, "f8", (counts[of],)) if of else (name, "f8"))
-    return found
+    shapes = ((name, (counts[of],) if (of := SERIES[name].of) else ()) for name in names)
+    return [(name, "f8", shape) for name, shape in shapes if 0 not in shape]
 
 
 def of_blocks(has: Collection[str], d: int, kinds: Collection[str]) -> Iterator[str]:
@@ -145,3 +101,67 @@ def of_blocks(has: Collection[str], d: int, kinds: Collection[str]) -> Iterator[
     for one in TABLE:
         if one.kind in kinds and (not one.needs or one.needs in has):
             yield from one.names(d)
+
+
+class Drifts:
+    """Relative drifts of the invariants that must hold, piece by piece of the series: ``memory``
+    has the sums of what has gone before.
+
+    On blocks these are masses, all components of momentum, and energy, less all that comes in
+    through faces and by body forces; with the potential energy of constant forces in the place of
+    their work where no mass comes in and grids are at rest; the entropy of gases where nothing
+    comes in and solids take no heat from them. Of the paper's method the mass of a gas layer behind
+    a wall is held, and total energy between two walls without body forces.
+
+    invariants: which ones must hold (fsipetsc.blocks.block_problem.BlockProblem.invariants).
+    initial: the integrals at t = 0. memory: of the steps before the first one. Entropy counts only
+    where it decreases. Momentum is relative to the impulse that has passed, of either sign, energy
+    to itself, entropy to itself or to the heat capacity, whatever is more.
+    """
+
+    def __init__(self, invariants: Any, initial: Any, memory: Any = None) -> None:
+        self._invariants, self._initial, self.memory = invariants, initial, dict(memory or {})
+        mass = invariants.get("inertia", 0.0) + sum(np.asarray(initial.get("mass", ())).tolist())
+        self._momentum_of_all = np.sqrt(max(initial.get("energy", 0.0), 0.0) * mass)
+
+    @np.errstate(all="ignore")  # a drift that is no number says so itself
+    def go_on(self, series: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """The drifts in the next steps, all columns of the series in them: name -> (steps,)."""
+        result: dict[str, np.ndarray] = {}
+        invariants, initial = self._invariants, self._initial
+        if not invariants or not len(series["dt"]):
+            return result
+        for name, columns in invariants["masses"]:  # several of blocks of gas that are joined
+            mass, came = series["mass"][:, columns].sum(axis=1), 0.0
+            if "mass_in" in series:
+                came = self._sum(f"into '{name}'", series["mass_in"][:, columns].sum(axis=1))
+            first = sum(initial["mass"][column] for column in columns)
+            result[f"mass of '{name}'"] = (mass - came) / first - 1
+        for axis in invariants.get("momentum", ""):
+            name, given = f"momentum_{axis}", series[f"impulse_{axis}"]
+            passed = self._sum(f"{name}, given and taken", np.abs(given))
+            least = max(abs(initial[name]), LEAST_COMPONENT * self._momentum_of_all, TINY)
+            change = series[name] - initial[name] - self._sum(name, given)
+            result[f"momentum along {axis}"] = change / np.maximum(passed, least)
+        if invariants["energy"]:
+            came = self._sum("energy", series["energy_in"]) if "energy_in" in series else 0.0
+            result["energy"] = (series["energy"] - came) / initial["energy"] - 1
+        if invariants.get("potential"):
+            came = self._sum("energy without work", series["energy_in"] - series["force_work"])
+            first = initial["energy"], initial["potential_energy"]
+            change = series["energy"] - first[0] + (series["potential_energy"] - first[1]) - came
+            result["energy with potential energy"] = change / max(map(abs, first))
+        if invariants.get("entropy"):
+            produced = series["entropy"] - initial["entropy"]
+            before = self.memory.get("entropy produced", 0.0)
+            most = np.maximum.accumulate(np.concatenate([[before], produced]))[1:]
+            self.memory["entropy produced"] = float(most[-1])
+            scale = max(abs(initial["entropy"]), invariants["heat_capacity"], TINY)
+            result["entropy"] = (most - produced) / scale
+        return result
+
+    def _sum(self, name: str, parts: np.ndarray) -> np.ndarray:
+        """Sum from t = 0 to the end of each step of what belongs to a step."""
+        sums = np.cumsum(np.concatenate([[self.memory.get(name, 0.0)], parts]))[1:]
+        self.memory[name] = float(sums[-1])
+        return sums

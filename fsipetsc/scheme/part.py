@@ -19,9 +19,11 @@ the ghosted array, in d dimensions it has
     per_h: (d,) cells of the block. room, seen, sums: of the monitor (fsipetsc.scheme.monitor).
     columns: of sums in the record of a step, level: of the potential energy.
 
-    Of a gas: form: of convection. forced: whether a constant force acts. axis:
+    Of a gas: form: of convection. forced: whether a constant force acts. around, hoops: see
     fsipetsc.scheme.radial. column: of its mass in what comes in. places: (d, N) where the monitor
-    finds the nodes. ends: of the axes. moves: whether its grid moves; grid: see
+    finds the nodes. ends: nodes at the ends of axes, one at an edge once for each axis: at, own,
+    axis: (n,) numbers in the ghosted array and among the owned nodes, axis; factor: sign of the
+    outward normal over the weight of the axis. moves: whether its grid moves; grid: see
     fsipetsc.blocks.grid. known: (m, 2d) displacements and velocities by which it moves, follows:
     (n,) particles here that have them, rows: (n,) where. reference, J: (M,) J of the reference map,
     and of the grid, by `find_volumes`.
@@ -31,54 +33,28 @@ the ghosted array, in d dimensions it has
     kinetic and elastic energy. interfaces: (n, 4) number of an interface at this part in one
     dimension, owned row of its node, X, prestress. stored_at: (n,) ghosted rows of members that
     tell what they store, rows_of_stored: (n,) where.
+
+``gain`` is a record of what comes into the problem from outside. numbers: all that follow, in the
+order of fsipetsc.blockrun.saved.gained. mass: of each block of gas. lost: (1,) work on solids if it
+is booked, else (0,). work: (1,) work of constant forces if there are any, else (0,). impulse: (d,).
+energy: through each outer face; the last one is of what comes through no face. heat: the part of
+energy that is heat. total: (1,) the sum of energy.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from types import SimpleNamespace
 
-from fsipetsc.kernels.arrays import Array, column_of, node
+from fsipetsc.kernels.arrays import column_of, node
 from fsipetsc.kernels.loops import each, either
 
 
-class Ends(NamedTuple):
-    """Nodes at the ends of axes, one at an edge once for each axis. at, own, axis: (n,) numbers in
-    the ghosted array and among the owned nodes, axis; factor: sign of the outward normal over the
-    weight of the axis.
-    """
-
-    at: Array
-    own: Array
-    axis: Array
-    factor: Array
-
-
-class Nothing(NamedTuple):
+class Nothing(SimpleNamespace):
     """Stands for a term that is absent, as dissipation or fluxes at closed faces."""
 
     def add(self, part, q, rates, gain):
         """Add nothing; the work is 0."""
         return 0.0
-
-
-class Gain(NamedTuple):
-    """What comes into the problem from outside.
-
-    numbers: all numbers that follow, in the order of fsipetsc.blockrun.saved.gained. mass: of
-    each block of gas. lost: (1,) work on solids if it is booked, else (0,). work: (1,) work of
-    constant forces if there are any, else (0,). impulse: (d,). energy: through each outer face; the
-    last one is of what comes through no face. heat: the part of energy that is heat. total: (1,)
-    the sum of energy.
-    """
-
-    numbers: Array
-    mass: Array
-    lost: Array
-    work: Array
-    impulse: Array
-    energy: Array
-    heat: Array
-    total: Array
 
 
 def owned_planes(part, s, dof):
@@ -100,11 +76,6 @@ def ghosted_planes(part, s, dof):
 def owned(part, s, dof):
     """Return (M, dof), the same as `owned_planes` by nodes."""
     return owned_planes(part, s, dof).turned()
-
-
-def ghosted(part, s, dof):
-    """Return (N, dof), the same as `ghosted_planes` by nodes."""
-    return ghosted_planes(part, s, dof).turned()
 
 
 def area(part, k, n):

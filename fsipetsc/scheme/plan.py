@@ -6,11 +6,8 @@ when a time to be saved is reached, or when there is a failure or a signal. Each
 the journal.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
-from fsipetsc.kernels.arrays import Array
 from fsipetsc.kernels.loops import each, when, whole
 from fsipetsc.scheme.observables import SERIES, record
 
@@ -32,10 +29,7 @@ def shares(record: np.dtype) -> tuple[str, ...]:
 
 
 def step_record(interfaces: int, fluids: int) -> np.dtype:
-    """What is noted of a step in the paper's method: doubles, as they are written to the file.
-
-    What a problem without interfaces or without a fluid has none of is not there.
-    """
+    """What is noted of a step in the paper's method: doubles, as they are written to the file."""
     at_interfaces = [name for name, one in SERIES.items() if one.of == "interface"]
     names = "t", "dt", *at_interfaces, "mass", "energy", "momentum"
     return np.dtype(record(names, {"interface": interfaces, "gas": fluids}))
@@ -44,10 +38,8 @@ def step_record(interfaces: int, fluids: int) -> np.dtype:
 #: places in the numbers of a batch: TIME before a step or, once it is made, after it; DT, its
 #: length; NEXT, the time after it; TARGET, the next time that must be hit; COURANT number; FIXED,
 #: the step that is given, or 0; steps ALLOWED and MADE; the LONGEST of these; FIRST row of the
-#: journal to be filled
-TIME, DT, NEXT, TARGET, COURANT, FIXED, ALLOWED, MADE, LONGEST, FIRST = range(10)
-#: how many these are
-BATCH = FIRST + 1
+#: journal to be filled. BATCH: how many these are
+TIME, DT, NEXT, TARGET, COURANT, FIXED, ALLOWED, MADE, LONGEST, FIRST, BATCH = range(11)
 
 #: a step may be longer than its bound by this fraction, so that round-off costs no extra step
 SLACK = 1e-9
@@ -70,22 +62,12 @@ def next_step(t, target, bound):
     return step, np.where(last, target, t + step)
 
 
-class Plan(NamedTuple):
-    """The arrays that `plan_next` reads and writes.
-
-    batch: a batch that has ended, or was never planned, allows no steps. results: see
-    fsipetsc.scheme.plan. journal: (rows, columns), each row time, step, and the numbers in latest.
-    """
-
-    batch: Array
-    results: Array
-    journal: Array
-    latest: Array
-
-
 def plan_next(plan):
     """Write the step just made into batch and journal, and plan the next one. If none follows,
     ALLOWED becomes 0. All ranks come to the same plan.
+
+    plan: batch: a batch that has ended, or was never planned, allows no steps. results: see above.
+    journal: (rows, columns), each row time, step, and the numbers in latest.
     """
     batch, results, journal, latest = plan.batch, plan.results, plan.journal, plan.latest
     allowed, t, dt, made = batch[ALLOWED], batch[NEXT], batch[DT], batch[MADE]

@@ -12,67 +12,32 @@ rest is kept; what p S does to the entropy cancels what sum_k D_k a^k leaves of 
 viscosity makes entropy at each node.
 """
 
-from typing import Any, NamedTuple
-
 from fsipetsc.equations.vectors import add, dot, scale
-from fsipetsc.kernels.arrays import Array, column_of, put_column
+from fsipetsc.kernels.arrays import column_of, put_column
 from fsipetsc.kernels.loops import each
-from fsipetsc.scheme.normals import add_areas, slope_at, turn_plane
-from fsipetsc.scheme.part import Nothing, area, gas_at, ghosted_node
+from fsipetsc.scheme.normals import slope_at
+from fsipetsc.scheme.part import area, gas_at, ghosted_node
 
 
-class Straight(Nothing):
-    """Stands for a problem without an axis or a centre."""
+def add_radial(part, q, rates):
+    """Add the terms at the head of this file; q: (N, d + 3) ghosted, rates: (M, d + 3).
 
-    def turn(self, part, table):
-        """Add how area vectors at constraints turn; in one dimension they do not."""
-        if len(part.like) == 3 and part.moves:
-            grid = part.grid
-            grid.turn()
-            add_areas(part.at_particles, 3, grid.ahead, table, grid.back)
-        turn_plane(part, table)
-
-    def bounds(self, metrics):
-        """Return the metrics that bound the step."""
-        return metrics
-
-
-class Radial(NamedTuple):
-    """A problem around an axis or a centre.
-
-    grid: see fsipetsc.blocks.grid. room: ((d + 1)^2, N) for u/T and -1/T, and for the
-    viscous fluxes of hoops along each axis; None in a gas without viscosity.
+    part.grid: see fsipetsc.blocks.grid. part.hoops: ((d + 1)^2, N) for u/T and -1/T, and for
+    the viscous fluxes of hoops along each axis; None in a gas without viscosity.
     """
-
-    grid: Any
-    room: Array | None
-
-    def add(self, part, q, rates, gain):
-        """Add the terms at the head of this file; q: (N, d + 3) ghosted, rates: (M, d + 3)."""
-        add_pressure(part, self.grid.source, q, rates)
-        if self.room is not None:
-            add_viscous(part, self, q, rates)
-
-    def turn(self, part, table):
-        add_areas(part.at_particles, len(part.like), self.grid.turning, table)
-
-    def bounds(self, metrics):
-        self.grid.bound(metrics)
-        return self.grid.bounds
-
-
-def add_pressure(part, source, q, rates):
-    """Add p S to the rates."""
+    source = part.grid.source
     for i in each(rates.shape[0]):
         n = ghosted_node(i, part.patch)
         rates[i, 1 + len(part.like)] += gas_at(part, q, n)[1] * source[n]
+    if part.hoops is not None:
+        add_viscous(part, q, rates)
 
 
-def add_viscous(part, radial, q, rates):
+def add_viscous(part, q, rates):
     """Add what viscous stresses around the axis do to momentum and energy."""
-    find_hoops(part, radial, q)
+    find_hoops(part, q)
     gas, d, like_z = part.laws, len(part.like), (*part.like, 0.0)
-    source, room = radial.grid.source, radial.room
+    source, room = part.grid.source, part.hoops
     for i in each(rates.shape[0]):
         n = ghosted_node(i, part.patch)
         w = gas_at(part, q, n)
@@ -86,19 +51,19 @@ def add_viscous(part, radial, q, rates):
             spread, fluxes = spread + dot(a, u) * slope[-1] + dot(a, slope[:-1]), add(fluxes, flux)
         div, e = T / q[n, 0] * spread, u[-1] * source[n] / q[n, 0]
         mu = gas.mu * gas.transport.viscosity(T)
-        push = mu * (2.0 * e / len(radial.grid.hoops) - 2.0 / 3.0 * (div + e)) * source[n]
+        push = mu * (2.0 * e / len(part.grid.hoops) - 2.0 / 3.0 * (div + e)) * source[n]
         fluxes = (*fluxes[: d - 1], fluxes[d - 1] - push, fluxes[d])
         for c in range(d + 1):
             rates[i, 2 + c] += fluxes[c]
 
 
-def find_hoops(part, radial, q):
+def find_hoops(part, q):
     """Fill the room with entropy variables and with the viscous fluxes of hoops."""
-    gas, d, room = part.laws, len(part.like), radial.room
-    for n in each(radial.grid.source.size, vector=True):
+    gas, d, room = part.laws, len(part.like), part.hoops
+    for n in each(part.grid.source.size, vector=True):
         w = gas_at(part, q, n)
         mu = gas.mu * gas.transport.viscosity(w[2])
-        stress = -2.0 / 3.0 * mu * w[2 + d] * radial.grid.source[n] / q[n, 0]
+        stress = -2.0 / 3.0 * mu * w[2 + d] * part.grid.source[n] / q[n, 0]
         put_column(room, n, 0, gas.entropy_variables(w))
         for k in range(d):
             a = area(part, k, n)

@@ -1,16 +1,14 @@
 """Data of a case that depend on time, recorded where they can be: then C fills them.
 
 A function of a condition, of forcing or of jumps is tried on symbols, as a law is
-(fsipetsc.materials.own). One of numpy's functions alone is recorded; of a motion the derivatives in
-time follow from the record. If any cannot be recorded, as one with an ``if`` on t or a table,
-Python is asked for all of them, at each stage. Sums and products are rounded one by one, as numpy
-does it.
-
-What must be above 0 and is not becomes no number: so the step fails, and Python says why.
+(fsipetsc.materials.own). If one cannot be recorded, as one with an ``if`` on t or a table, Python
+is asked for all of them, at each stage. Sums and products are rounded one by one, as numpy does it.
+What must be above 0 and is not becomes NaN: so the step fails, and Python says why.
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,18 +27,15 @@ MOST = 500
 Make = Callable[[Any, Any], Sequence[Any]]
 
 
-class Source(NamedTuple):
-    """A function of place and time, and where its values go.
-
-    about: whose it is. x: d arrays (n,), the places; at: (n,) rows of targets, which differ, or
-    None: 0, 1, ….
+class Source(SimpleNamespace):
+    """A function of place and time, and where its values go. about: a condition or a text. x:
+    (d, n), the places; at: (n,) rows of targets, which differ, or None: 0, 1, ….
     """
 
-    about: str
-    make: Make
-    x: tuple[Array, ...]
-    at: Array | None
-    targets: tuple[Array, ...]
+    def __init__(self, about: Any, make: Make, x: Array, at: Array | None, *targets: Array) -> None:
+        self.about = about if isinstance(about, str) else type(about).__name__
+        self.make, self.at, self.targets = make, at, targets
+        self.x = tuple(map(np.ascontiguousarray, x))
 
     def fill(self, t: float) -> None:
         """Fill the targets with data at time t [s], as Python finds them. InputError."""
@@ -50,17 +45,9 @@ class Source(NamedTuple):
                 target[rows] = np.transpose(values)
 
 
-def source(about: Any, make: Make, x: Array, at: Array | None, *targets: Array) -> Source:
-    """Return the source of data of a condition, or a text, at places x (d, n)."""
-    what = about if isinstance(about, str) else type(about).__name__
-    return Source(what, make, tuple(map(np.ascontiguousarray, x)), at, targets)
-
-
 class Recorder:
     """What is recorded of sources, of a part of a block or of particles. What does not depend on
-    time needs no record: Python is asked once.
-
-    refused: what cannot be recorded, and why.
+    time needs no record: Python is asked once. refused: what cannot be recorded, and why.
     """
 
     def __init__(self, sources: Sequence[Source]) -> None:

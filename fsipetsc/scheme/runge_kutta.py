@@ -1,47 +1,25 @@
 """Steps of the classical Runge-Kutta method: its stages, what is known after a step.
 
-The procedures here are those between the phases of fsipetsc.blockrun.phases.
+The procedures here are those between the phases of fsipetsc.blockrun.phases. What they take and
+fill is ``found``, a record of the solution y, its stages, total: the sum that becomes the next one,
+gain (fsipetsc.scheme.part), and what fsipetsc.blockrun.block_state has; at_ends: (4, interfaces).
+time: (1,) of recorded data. stage: (2,) what sweeps make of rates (fsipetsc.scheme.sweep). left:
+(runs, 2) begin and end of the numbers of a world vector of which sweeps give rates in any case.
 """
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.kernels.arrays import Array
 from fsipetsc.kernels.loops import each, variable
 from fsipetsc.scheme.monitor import LEAST_J, MONITORED
 from fsipetsc.scheme.part import clear
-from fsipetsc.scheme.plan import BAD, DT, RATE, SAID_STOP, STOP, Plan
+from fsipetsc.scheme.plan import BAD, DT, RATE, SAID_STOP, STOP
 from fsipetsc.scheme.sweep import LAST, NEXT, RATES
 
 STAGES = 4
 #: times of the stages, and of what comes of them, in steps
 FRACTIONS = 0.0, 0.5, 0.5, 1.0, 1.0
-
-
-class Found(NamedTuple):
-    """What steps take and fill: the solution y, its stages, the sum that becomes the next one;
-    gain: a fsipetsc.scheme.part.Gain. The rest is that of fsipetsc.blockrun.block_state; at_ends:
-    (4, interfaces). time: (1,) of recorded data. stage: (2,) what sweeps make of rates
-    (fsipetsc.scheme.sweep). left: (runs, 2) begin and end of the numbers of a world vector of which
-    sweeps give rates in any case.
-    """
-
-    y: Array
-    stages: tuple[Array, ...]
-    total: Array
-    gain: Any
-    extremes: Array
-    rates: Array
-    results: Array
-    latest: Array
-    at_ends: Array
-    pace: float
-    plan: Plan
-    time: Array
-    stage: Array
-    left: Array
 
 
 def begin_stage(number: int | None) -> Callable[..., None]:
@@ -92,11 +70,6 @@ def begin_monitor(found):
     for i in each(found.extremes.size):  # a least J is found as the largest -J
         found.extremes[i] = np.where((i - 1) % MONITORED == LEAST_J, -np.inf, 0.0)
     found.extremes[0] = found.results[SAID_STOP]
-
-
-def clear_gain(gain):
-    """Set to 0 what has come in from outside."""
-    clear(gain.numbers)
 
 
 def note_extremes(found):

@@ -10,7 +10,7 @@ K: wave modulus at rest, M_q: the mean of the nodes in the middle of a differenc
 taken, too. Momentum and energy stay, and entropy grows, as F . Delta_q v >= 0.
 
 Everywhere: q half the order of the scheme, a = sigma/4^q. At shocks: q = 1, a = 0, b = 0.7 times
-the option; then the former has b = -a. alpha of a difference is the largest of its nodes. At a node
+the option; then the former has b = -a. alpha of a difference is the largest of its nodes,
 
     alpha = min(1, max(0, 2.5 (s - 0.03))),   s = |d_+ - d_-| / (|d_+| + |d_-| + 0.02 sqrt(K/m0)),
 
@@ -19,12 +19,13 @@ s falls with h^2 and alpha is 0.
 """
 
 from functools import partial
-from typing import Any, NamedTuple
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
 from fsipetsc.equations.vectors import dot, mean, scale, sub
-from fsipetsc.kernels.arrays import Array, column, part_of
+from fsipetsc.kernels.arrays import column, part_of
 from fsipetsc.kernels.loops import each, variable, when
 from fsipetsc.operators.bands import Differences, difference
 from fsipetsc.scheme.gas_dissipation import largest, sense
@@ -36,35 +37,45 @@ SMALL = 0.02
 AT_SHOCKS = 0.7
 
 
-class SolidDamping(NamedTuple):
-    """A term: a and b of F, sqrt(K m0) [kg/(m2 s)], the e of s [m/s]. Memory by components of N
-    nodes: F and F . Delta_q v, each after zeros; alpha; work of columns. after: the next term, or
-    none.
+class SolidDamping(SimpleNamespace):
+    """A term for the nodes of a patch, with a and b of F. after: the next term, or none.
+
+    impedance: sqrt(K m0) [kg/(m2 s)], small: the e of s [m/s]. Memory by components of N nodes: F
+    and F . Delta_q v, each after zeros; alpha; work of columns.
     """
 
-    a: float
-    b: float
-    impedance: float
-    small: float
-    differences: Any
-    F: Array
-    alpha: Array
-    work: Array
-    after: Any
+    def __init__(self, solid: Any, found: Differences, a: float, b: float, after: Any) -> None:
+        d, nodes = len(solid.force), found.norm.shape[1]
+        K = solid.law.wave_modulus(solid.tensor(solid.unstrained((0.0,) * d)))
+        self.a, self.b, self.differences, self.after = a, b, found, after
+        self.impedance = float(np.sqrt(K * solid.m0))
+        self.small = float(SMALL * np.sqrt(K / solid.m0))
+        self.F, (self.alpha, self.work) = np.zeros((d + 1, found.room(d))), np.zeros((2, nodes))
 
     def add(self, part, q, rates, gain):
-        """This term and the next one; returns their work."""
-        work = solid_dissipation(part, self, q, rates)
-        return work + self.after.add(part, q, rates, gain)
-
-
-def solid_damping(solid: Any, found: Differences, a: float, b: float, after: Any) -> SolidDamping:
-    """Of a solid, fsipetsc.equations.solid, for the nodes of a patch."""
-    d, nodes = len(solid.force), found.norm.shape[1]
-    K = solid.law.wave_modulus(solid.tensor(solid.unstrained((0.0,) * d)))
-    of_solid = float(np.sqrt(K * solid.m0)), float(SMALL * np.sqrt(K / solid.m0))
-    F, (alpha, work) = np.zeros((d + 1, found.room(d))), np.zeros((2, nodes))
-    return SolidDamping(a, b, *of_solid, found, F, alpha, work, after)
+        """Add this term and the next one to the rates (M, 2d + 1) of the owned nodes; q (N, 2d +
+        1): with a halo of q + 1 nodes at least. Returns their work if that is booked.
+        """
+        d, ghosted, strides = len(part.like), part.patch.ghosted, self.differences.strides
+        for i in each(part.patch.own[0], vector=True):
+            self.work[i] = 0.0
+        for k in range(d):
+            stride = strides[k]
+            with when(self.b != 0.0):
+                sense(partial(steepness, part, q, self.small), self.alpha, stride, ghosted[k])
+            lose(part, self, q, k, stride)
+            for node, own, n in rows_of(part):
+                for i in each(n, vector=True):
+                    force, power, heat = collected(part, self, q, k, stride, node + i)
+                    for c, value in enumerate((*force, power + heat), d):
+                        rates[own + i, c] += value
+                    if part.loses:
+                        self.work[i] += part.masses[own + i] * power
+        total = variable(0.0)
+        if part.loses:
+            for i in each(part.patch.own[0]):
+                total.value += self.work[i]
+        return total.value + self.after.add(part, q, rates, gain)
 
 
 def steepness(part, q, small, i, stride):
@@ -75,32 +86,6 @@ def steepness(part, q, small, i, stride):
     turn = sub(rise, fall)
     lengths = np.sqrt(dot(rise, rise)) + np.sqrt(dot(fall, fall))
     return np.sqrt(dot(turn, turn)) / (lengths + small)
-
-
-def solid_dissipation(part, term, q, rates):
-    """Add a term to the rates (M, 2d + 1) of the owned nodes; q (N, 2d + 1): with
-    a halo of q + 1 nodes at least. Returns its work if that is booked.
-    """
-    d, ghosted, strides = len(part.like), part.patch.ghosted, term.differences.strides
-    for i in each(part.patch.own[0], vector=True):
-        term.work[i] = 0.0
-    for k in range(d):
-        stride = strides[k]
-        with when(term.b != 0.0):
-            sense(partial(steepness, part, q, term.small), term.alpha, stride, ghosted[k])
-        lose(part, term, q, k, stride)
-        for node, own, n in rows_of(part):
-            for i in each(n, vector=True):
-                force, power, heat = collected(part, term, q, k, stride, node + i)
-                for c, value in enumerate((*force, power + heat), d):
-                    rates[own + i, c] += value
-                if part.loses:
-                    term.work[i] += part.masses[own + i] * power
-    total = variable(0.0)
-    if part.loses:
-        for i in each(part.patch.own[0]):
-            total.value += term.work[i]
-    return total.value
 
 
 def lose(part, term, q, k, stride):

@@ -7,6 +7,7 @@ Metrics are read where the block has them: A^1 … A^d, J0, around an axis R.
 """
 
 from collections.abc import Sequence
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from fsipetsc.equations.tensors import (
@@ -24,35 +25,26 @@ from fsipetsc.scheme.sweep import KINDS, store
 TILE = Layout("step", given=True)
 
 
-class SolidKernels(NamedTuple):
-    """The kernels of a solid. _inside: those of nodes of the interior, which have so many pairs of
-    nodes on both sides. conduct: None without conduction.
+def solid_kernels(solid: Any, d: int, order: int, prestressed: bool) -> SimpleNamespace:
+    """All kernels of a solid in d dimensions; order: of the operators in the interior. _inside:
+    those of nodes there, which have so many pairs of nodes on both sides. conduct: None without
+    conduction.
     """
-
-    pairs: int
-    take: Kernel
-    strain: Kernel
-    combine: Kernel
-    add: Kernel
-    pull: Kernel
-    pull_inside: Kernel
-    stores: tuple[Kernel, ...]
-    stores_inside: tuple[Kernel, ...]
-    conduct: Kernel | None
-
-
-def solid_kernels(solid: Any, d: int, order: int, prestressed: bool) -> SolidKernels:
-    """All kernels of a solid in d dimensions; order: of the operators in the interior."""
-    both = Slopes(d, 0), Slopes(d, order // 2)
-    return SolidKernels(
-        order // 2,
-        *(_take(d), _strain(solid, d), _combine("first", False), _combine("add", True)),
-        *(_pull(solid, d, slopes, prestressed) for slopes in both),
-        *(
-            tuple(_accelerate(solid, d, slopes, n, kind) for n, kind in enumerate(KINDS))
-            for slopes in both
-        ),
-        _conduct(solid, d) if solid.kappa > 0.0 else None,
+    pulls, stores = {}, {}
+    for name, pairs in ("", 0), ("_inside", order // 2):
+        slopes = Slopes(d, pairs, name)
+        pulls[f"pull{name}"] = _pull(solid, d, slopes, prestressed)
+        of_kinds = (_accelerate(solid, d, slopes, n, kind) for n, kind in enumerate(KINDS))
+        stores[f"stores{name}"] = tuple(of_kinds)
+    return SimpleNamespace(
+        pairs=order // 2,
+        take=_take(d),
+        strain=_strain(solid, d),
+        combine=_combine("first", False),
+        add=_combine("add", True),
+        **pulls,
+        **stores,
+        conduct=_conduct(solid, d) if solid.kappa > 0.0 else None,
     )
 
 
@@ -61,15 +53,13 @@ class Slopes(NamedTuple):
     from so many pairs of nodes on both sides, with weights w and distances far, axis by axis:
 
         D_k f = sum_m w_km (f_(i + m) - f_(i - m))
+
+    name: what is added to the names of kernels.
     """
 
     d: int
     pairs: int
-
-    @property
-    def of(self) -> str:
-        """What is added to the names of kernels."""
-        return "_inside" if self.pairs else ""
+    name: str = ""
 
     def read(
         self, kernel: Kernel, f: str, first: Sequence[int], count: int, to: int
@@ -79,19 +69,17 @@ class Slopes(NamedTuple):
         """
         if not self.pairs:
             return kernel.read("slopes", ROWS, self.d * count, to)
-        axes = enumerate(first)
-        return tuple(D for k, plane in axes for D in self._along(kernel, f, k, plane, count))
-
-    def _along(self, kernel: Kernel, f: str, k: int, first: int, count: int) -> tuple[Any, ...]:
         found: tuple[Any, ...] = ()
-        for m in range(self.pairs):
-            number = k * self.pairs + m
-            ahead, behind = (
-                kernel.read(f, TILE, count, first, (where, number)) for where in ("far", "back")
-            )
-            (w,) = kernel.read("w", SHARED, 1, number)
-            change = sub(ahead, behind)
-            found = along(found, w, change) if found else scale(w, change)
+        for k, plane in enumerate(first):
+            D: tuple[Any, ...] = ()
+            for number in range(k * self.pairs, (k + 1) * self.pairs):
+                ahead, behind = (
+                    kernel.read(f, TILE, count, plane, (far, number)) for far in ("far", "back")
+                )
+                (w,) = kernel.read("w", SHARED, 1, number)
+                change = sub(ahead, behind)
+                D = along(D, w, change) if D else scale(w, change)
+            found += D
         return found
 
 
@@ -108,10 +96,7 @@ def _combine(name: str, adds: bool) -> Kernel:
     total = 0.0
     for w, f in zip(kernel.read("w", SHARED, 4), "abcd", strict=True):
         total = total + w * kernel.read(f, ROWS, 1)[0]
-    if adds:
-        kernel.add("out", ROWS, (total,))
-    else:
-        kernel.store("out", ROWS, (total,))
+    (kernel.add if adds else kernel.store)("out", ROWS, (total,))
     return kernel
 
 
@@ -138,7 +123,7 @@ def _strain_of(kernel: Kernel, solid: Any, d: int) -> Any:
 def _pull(solid: Any, d: int, slopes: Slopes, prestressed: bool) -> Kernel:
     """Add a prestress S to P, and take its energy S : (F - 1)/m0 from that of which T is made."""
     says = "F, T, and the tractions t^k = (P + S) A^k with a prestress S."
-    kernel, conducts = Kernel(f"solid_pull{slopes.of}", says), solid.kappa > 0.0
+    kernel, conducts = Kernel(f"solid_pull{slopes.name}", says), solid.kappa > 0.0
     solid, A = kernel.parameters(solid), kernel.read("metrics", PLANES, d * d)
     F, v = _found_strain(kernel, solid, d, slopes), kernel.read("unknowns", TILE, d, d)
     if conducts or solid.around:
@@ -171,7 +156,7 @@ def _conduct(solid: Any, d: int) -> Kernel:
 def _accelerate(solid: Any, d: int, slopes: Slopes, number: int, kind: str) -> Kernel:
     """Store the rates that follow from D°_k t^k, D_k v and, with conduction, D°_k A^k . h."""
     says = "(v, Div P/m0 + b, Div (P^T v + h)/m0 + b . v), or what follows from these rates."
-    kernel = Kernel(f"solid_{kind}{slopes.of}", says)
+    kernel = Kernel(f"solid_{kind}{slopes.name}", says)
     conducts, solid = solid.kappa > 0.0, kernel.parameters(solid)
     per_mass = 1.0 / (kernel.read("metrics", PLANES, 1, d * d)[0] * solid.m0)
     v, t = kernel.read("unknowns", TILE, d, d), kernel.read("tractions", TILE, d * d)

@@ -13,16 +13,7 @@ from fsipetsc.kernels.loops import each, variable, when, whole
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.face_kernels import strain_at
 from fsipetsc.scheme.monitor import along_axes, moment, note, observe, turning
-from fsipetsc.scheme.part import (
-    area,
-    ghosted,
-    ghosted_node,
-    ghosted_planes,
-    owned,
-    owned_planes,
-    rows_of,
-)
-from fsipetsc.scheme.solid_sweep import solid_strains, solid_sweep
+from fsipetsc.scheme.part import area, ghosted_node, ghosted_planes, owned, owned_planes, rows_of
 
 
 def store(part, particles, y):
@@ -34,7 +25,7 @@ def store(part, particles, y):
         for i in each(rows.shape[0]):
             particles.stored[rows[i], 0] = 0.0
         return
-    q = ghosted(part, y, 2 * len(part.like) + 1)
+    q = ghosted_planes(part, y, 2 * len(part.like) + 1).turned()
     for i in each(rows.shape[0]):
         F = strain_at(part, q, at[i])
         energy = solid.energy(F) / solid.m0 + prestress_energy(part, F, at[i])
@@ -42,12 +33,12 @@ def store(part, particles, y):
 
 
 def rates(part, gain, found, y, f):
-    """Fill a solid's part of f, from that of a completed y: with rates, or where nothing adds to
-    them with a stage (fsipetsc.scheme.sweep). What comes in goes to ``gain``.
+    """Fill the part of f, from that of a completed y, with rates or stages (fsipetsc.scheme.sweep).
+    What comes in goes to ``gain``.
     """
     dof = 2 * len(part.like) + 1
     planes, of_f = ghosted_planes(part, y, dof), owned_planes(part, f, dof)
-    solid_sweep(part, found, owned_planes(part, y, dof), planes, of_f)
+    part.volume.sweep(part, found, owned_planes(part, y, dof), planes, of_f)
     q, own = planes.turned(), of_f.turned()
     work = part.dissipation.add(part, q, own, gain)
     work += part.faces.add(part, q, own, gain)
@@ -57,10 +48,10 @@ def rates(part, gain, found, y, f):
 
 
 def supply(part, q, rates, gain):
-    """Add the case's forcing, and book what body forces give; q, rates: of the owned nodes.
-    Returns the work of body forces.
+    """Add the case's forcing to the rates, and book what it and body forces give; q, rates: of the
+    owned nodes. Returns the work of body forces.
     """
-    masses, d, total = part.masses, len(part.like), variable(0.0)
+    masses, forcing, d, total = part.masses, part.forcing, len(part.like), variable(0.0)
     impulse, energy, inside = gain.impulse, gain.energy, gain.energy.size - 1
     for c in range(d):
         b = part.laws.force[c]
@@ -73,15 +64,8 @@ def supply(part, q, rates, gain):
             impulse[c] += push.value
             energy[inside] += work.value
             gain.work[0] += work.value
-    if part.forcing is not None:
-        force(part, q, rates, gain)
-    return total.value
-
-
-def force(part, q, rates, gain):
-    """Add the case's forcing to the rates, and book what it gives."""
-    masses, forcing, d = part.masses, part.forcing, len(part.like)
-    impulse, energy, inside = gain.impulse, gain.energy, gain.energy.size - 1
+    if forcing is None:
+        return total.value
     for i in each(masses.size):
         heat = part.laws.alpha * forcing[d, i]
         for c in range(d):
@@ -92,6 +76,7 @@ def force(part, q, rates, gain):
             impulse[c] += masses[i] * push
         rates[i, 2 * d] += heat
         energy[inside] += masses[i] * heat
+    return total.value
 
 
 def solid_integrals(d):
@@ -102,9 +87,7 @@ def solid_integrals(d):
 
 
 def monitor(part, found, y):
-    """Note extremes and sums of a part of a solid block, and what is recorded of interfaces in one
-    dimension; fill F.
-    """
+    """Note extremes and sums, and what is recorded of interfaces in one dimension; fill F."""
     d = len(part.like)
     own = owned(part, y, 2 * d + 1)
     find(part, owned_planes(part, y, 2 * d + 1), ghosted_planes(part, y, 2 * d + 1))
@@ -114,22 +97,19 @@ def monitor(part, found, y):
         note_ends(part, own, found)
 
 
-def measure(part, q):
-    """Fill seen, sums and F of a part of a solid block; q: planes of its ghosted nodes."""
-    find(part, None, q.reshape(2 * len(part.like) + 1, part.metrics.shape[1]))
-
-
-def find(part, known, q):
-    """Fill seen, F and sums; known: planes of the owned nodes, q: of the halo, or None and planes
-    of all.
+def measure(part, y, q):
+    """Fill seen, sums and F of a part of a solid block; y, q: planes of its owned nodes, and of
+    those with a halo.
     """
-    solid_strains(part, known, q, part.F)
+    dof = 2 * len(part.like) + 1
+    find(part, y.reshape(dof, part.masses.shape[0]), q.reshape(dof, part.metrics.shape[1]))
 
-    def seen(own, n):
-        of, place = (q, n) if known is None else (known, own)
-        return seen_at(part, of.turned(), place, n, own)
 
-    observe(part, solid_integrals(len(part.like)), seen)
+def find(part, y, q):
+    """Fill seen, F and sums; y, q: planes of the owned nodes, and of those of the halo."""
+    part.volume.sweep_strains(part, y, q, part.F)
+    names = solid_integrals(len(part.like))
+    observe(part, names, lambda own, node: seen_at(part, y.turned(), own, node))
     part.sums[-1] = -part.sums[part.sums.size - 2]
 
 
@@ -154,13 +134,13 @@ def stressed(part, q, out):
                 out[c * M + own + i] = number
 
 
-def seen_at(part, q, place, node, own):
-    """Extremes at a node, and name -> what integrals have of it per mass; q: has it at ``place``.
-    Convection is inf where the state is none; what is no number has no J.
+def seen_at(part, q, own, node):
+    """Return the extremes at a node, and name -> what integrals have of it per mass. Convection is
+    inf where the state is not physical; a J that is no number is left out.
     """
     solid, metrics, d = part.laws, part.metrics, len(part.like)
     zeros = (0.0,) * d
-    displacement, v, e = part_of(zeros, q, place, 0), part_of(zeros, q, place, d), q[place, 2 * d]
+    displacement, v, e = part_of(zeros, q, own, 0), part_of(zeros, q, own, d), q[own, 2 * d]
     F = column(solid.unstrained(zeros), part.F, own)
     extra = prestress_energy(part, F, node)
     T, J = solid.temperature(v, e if solid.coupled else e - extra, F), solid.volume(F)

@@ -11,26 +11,23 @@ and the tractions t^k = P A^k, the rates of displacement, velocity and energy ar
 
 The power is, pair by pair, S_il (t_i . v_l + t_l . v_i)/2: nothing is lost or won.
 
-A layer is loaded, and its F and t^k are found, when rates that need them are next: few layers are
-at work at a time. Boxes of nodes around a tile say where what is needed: F, T and t^k where its
-pairs reach, displacements where these reach in turn; conduction reaches once more. What two tiles
-need is found twice by the same operations: rates do not depend on tiles, nor on how a block is cut.
+A layer is loaded, and its F and t^k are found, when rates that need them are next. Boxes of nodes
+around a tile say where what is needed: F, T and t^k where its pairs reach, displacements where
+these reach in turn; conduction reaches once more. What two tiles need is found twice by the same
+operations: rates do not depend on tiles, nor on how a block is cut.
 """
 
 from itertools import product
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fsipetsc.kernels.arrays import aligned
+from fsipetsc.kernels.arrays import Array, aligned
 from fsipetsc.kernels.kernel import numbers_of
 from fsipetsc.kernels.loops import each, named, otherwise, pick, when
 from fsipetsc.operators.bands import Band, Patch
-from fsipetsc.scheme.solid_kernels import SolidKernels
-from fsipetsc.scheme.sweep import Nodes, in_order, order, parts
+from fsipetsc.scheme.sweep import Sweep, in_order, order, parts, pieces
 
-Array = NDArray[Any]
 #: kinds of derivatives: D_k and D°_k
 PLAIN, FREE = range(2)
 #: most nodes of a tile along the first axis, and along the second one of three, for d = 1, 2, 3
@@ -42,93 +39,21 @@ WIDTH = 1024 + 6 * REACH
 KNOWN, STRAINED, HEATED, OWN = range(4)
 
 
-class SolidVolume(NamedTuple):
-    """What the sweeps of a part of a block take, beside its record. The axes are first, inner and
-    last one.
-
-    p: parameters of the kernels. boxes: (tiles, 4, 3, 2) first node and first beyond of KNOWN …
-    OWN. steps, to_strains: (n, 2) stages and layers (fsipetsc.scheme.sweep.order) of rates and of
-    strains. jumps: (3, n, most) of each axis and node how many neighbours there are, and how far;
-    weights: (2, 3, n, most) S_il/(2 weight_i) of these, for PLAIN and FREE, which differ at the
-    node itself; runs: (n, 2) of the nodes along the first axis those for which they are the same.
-    inside: three pairs, first node and first beyond of those of the interior, None of axes that are
-    not there; far: (2, layers, d pairs) of these, how far those of a pair are ahead and behind in a
-    tile, by place in the ring; inner: (d pairs,) weights of both. row, layer: nodes of a row and of
-    a layer of a tile; layers: how many are kept. By components, of the nodes of a tile: unknowns,
-    strains F, tractions t^k, temperatures T, heats A^k . h; of those of a row: slopes.
-    """
-
-    kernels: SolidKernels
-    p: Array
-    boxes: Array
-    steps: Array
-    to_strains: Array
-    jumps: Array
-    weights: Array
-    runs: Array
-    inside: Any
-    far: Array
-    inner: Array
-    row: int
-    layer: int
-    layers: int
-    unknowns: Array
-    strains: Array
-    tractions: Array
-    temperatures: Array
-    heats: Array
-    slopes: Array
-
-
-def solid_volume(
-    solid: Any, d: int, kernels: SolidKernels, bands: Any, patch: Patch
-) -> SolidVolume:
-    """Of a patch with these three bands of its ghosted nodes."""
-    bands, patch = in_order(bands, d), Patch(*(in_order(of_axes, d) for of_axes in patch))
-    conducts, pairs = kernels.conduct is not None, kernels.pairs
-    boxes = np.array([boxes_of(bands, own, conducts) for own in tiles_of(patch, d)])
-    row, inner = (int((b[:, 1] - b[:, 0]).max()) for b in (boxes[:, KNOWN, 0], boxes[:, KNOWN, 1]))
-    layers = (3 + conducts) * bands[2].reach + 1
-    # whole vectors, an odd number: components do not compete for one place of the fast memory
-    step = 8 * (layers * row * inner // 16 * 2 + 3)
-    strains = len(solid.unstrained((0.0,) * d))
-    memory = (aligned(c * step).reshape(c, step) for c in (2 * d + 1, strains, d * d, 1, d))
-    jumps, weights, runs = neighbours(bands)
-    axes = (0, 2) if d == 2 else range(d)
-    inside = [band.interior(pairs) if k in axes else None for k, band in enumerate(bands)]
-    of_pairs = [weights[PLAIN, k, inside[k][0], 1 : 1 + pairs] for k in axes]
-    ahead = np.maximum(jumps[2, :, 1:].max(axis=1), 0)
-    ranges = [tuple(box) for box in boxes[0, :, 2].tolist()]  # those of all tiles
-    stages = [ranges[KNOWN], ranges[STRAINED], *([ranges[HEATED]] * conducts), ranges[OWN]]
-    return SolidVolume(
-        kernels,
-        np.array([*numbers_of(solid), 0.0]),
-        boxes,
-        *(order(ahead, stages), order(ahead, (ranges[KNOWN], ranges[OWN]))),
-        *(jumps, weights, runs, tuple(inside)),
-        *(distances(layers, (1, row, row * inner), axes, pairs), np.concatenate(of_pairs)),
-        *(row, row * inner, layers, *memory, np.zeros((2 * d * d + d, WIDTH))),
-    )
-
-
 def distances(layers: int, strides: Any, axes: Any, pairs: int) -> Array:
-    """Return `far` of SolidVolume."""
+    """Return `far` of SolidSweep."""
     m, places = np.arange(1, pairs + 1), np.arange(layers)[:, None]
-    found = []
-    for sign in (1, -1):
-        in_ring = ((places + sign * m) % layers - places) * strides[2]
-        of_axes = [in_ring if k == 2 else sign * m * strides[k] for k in axes]
-        found.append([np.broadcast_to(one, in_ring.shape) for one in of_axes])
-    return np.ascontiguousarray(np.moveaxis(np.array(found, np.int64), 1, 2)).reshape(2, layers, -1)
+    found = np.zeros((2, layers, len(axes), pairs), np.int64)
+    for sign, of_side in zip((1, -1), found, strict=True):
+        for n, k in enumerate(axes):
+            far = (places + sign * m) % layers - places if k == 2 else sign * m
+            of_side[:, n] = far * strides[k]
+    return found.reshape(2, layers, -1)
 
 
 def tiles_of(patch: Patch, d: int) -> list[Any]:
     """Return the tiles of the owned nodes: (begin, end) along each axis."""
-    cuts = []
-    for first, count, most in zip(patch.first, patch.own, (*TILES[d - 1], patch.own[2])):
-        ends = range(first, first + count, most)
-        cuts.append([(begin, min(begin + most, first + count)) for begin in ends])
-    return list(product(*cuts))
+    most = *TILES[d - 1], patch.own[2]
+    return list(product(*map(pieces, patch.first, patch.own, most)))
 
 
 def boxes_of(bands: tuple[Band, ...], own: Any, conducts: bool) -> list[Any]:
@@ -153,7 +78,7 @@ def reached_along(S: Array, begin: int, end: int) -> tuple[int, int]:
 
 
 def neighbours(bands: Any) -> tuple[Array, Array, Array]:
-    """jumps, weights and runs of SolidVolume."""
+    """jumps, weights and runs of SolidSweep."""
     most = max(2 * band.reach + 1 for band in bands)
     shape = 3, max(len(band.weight) for band in bands), 1 + most + -most % 4
     jumps, weights = np.zeros(shape, np.int64), np.zeros((2, *shape))
@@ -174,73 +99,110 @@ def neighbours(bands: Any) -> tuple[Array, Array, Array]:
     return jumps, weights, np.stack([[0, *ends], [*ends, n]], axis=1)
 
 
-def solid_sweep(part, found, y, q, f):
-    """Store the rates of the owned nodes, or what becomes of them (fsipetsc.scheme.sweep), in f; y,
-    q: planes of the owned nodes, and of all with a halo of two interior reaches, with conduction of
-    three.
-    """
-    heats = [_Tile.find_heats] * (part.volume.kernels.conduct is not None)
-    stages = (_Tile.load, KNOWN), (_Tile.pull, STRAINED), *((do, HEATED) for do in heats)
-    sweep(part, Nodes(part, y, q, f), found, part.volume.steps, (*stages, (_Tile.store, OWN)))
+class SolidSweep(Sweep):
+    """The sweeps of a part of a block: their data, beside the record of the part, and what is
+    recorded of a tile. bands: of the ghosted nodes along three axes; here axes are first, inner and
+    last one. Methods take n nodes from x on along the first axis, of row y in layer z.
 
-
-def solid_strains(part, y, q, F):
-    """Fill planes of the strains F of the owned nodes; y, q: planes of their unknowns, or None, and
-    of those of a halo of one reach, or of all nodes.
-    """
-    stages = (_Tile.load, KNOWN), (_Tile.find_strains, OWN)
-    sweep(part, Nodes(part, y, q, F), None, part.volume.to_strains, stages)
-
-
-def sweep(part, nodes, found, steps, stages):
-    """Take the stages of all tiles: what is done with a row of nodes, and the box of these rows."""
-    boxes = part.volume.boxes
-    for t in each(boxes.shape[0]):
-        tile = _Tile(part, found, nodes, t)
-        for s in each(steps.shape[0]):
-            stage, z = steps[s, 0], steps[s, 1]
-            for number, (do, box) in enumerate(stages):
-                with when(stage == number):
-                    for y in each(boxes[t, box, 1, 0], boxes[t, box, 1, 1]):
-                        x = boxes[t, box, 0, 0]
-                        do(tile, x, named(boxes[t, box, 0, 1] - x), y, z)
-
-
-class _Tile:
-    """The tile t while a sweep is recorded. Methods take n nodes from x on along the first axis, of
-    row y in layer z.
+    p: parameters of the kernels. boxes: (tiles, 4, 3, 2) first node and first beyond of KNOWN …
+    OWN. steps, to_strains: (n, 2) stages and layers (fsipetsc.scheme.sweep.order) of rates and of
+    strains. jumps: (3, n, most) of each axis and node how many neighbours there are, and how far;
+    weights: (2, 3, n, most) S_il/(2 weight_i) of these, for PLAIN and FREE, which differ at the
+    node itself; runs: (n, 2) of the nodes along the first axis those for which they are the same.
+    inside: three pairs, first node and first beyond of those of the interior, None of axes that are
+    not there; far: (2, layers, d pairs) of these, how far those of a pair are ahead and behind in a
+    tile, by place in the ring; inner: (d pairs,) weights of both. row, layer: nodes of a row and of
+    a layer of a tile; layers: how many are kept. By components, of the nodes of a tile: unknowns,
+    strains F, tractions t^k, temperatures T, heats A^k . h; of those of a row: slopes.
     """
 
-    def __init__(self, part: Any, found: Any, nodes: Nodes, t: Any) -> None:
-        self.part, self.found, self.nodes, self.volume = part, found, nodes, part.volume
-        self.x0, self.y0 = (part.volume.boxes[t, KNOWN, k, 0] for k in range(2))
-        self.d = len(part.like)
+    def __init__(self, solid: Any, d: int, kernels: Any, bands: Any, patch: Patch) -> None:
+        bands, patch = in_order(bands, d), Patch(*(in_order(of_axes, d) for of_axes in patch))
+        self.kernels, self.p = kernels, np.array([*numbers_of(solid), 0.0])
+        conducts, pairs = kernels.conduct is not None, kernels.pairs
+        self.boxes = np.array([boxes_of(bands, own, conducts) for own in tiles_of(patch, d)])
+        known, *stages = [tuple(box) for box in self.boxes[0, :, 2].tolist()]  # those of all tiles
+        stages = stages if conducts else [stages[0], stages[-1]]
+        self.steps = order(bands[2].S, (known, *stages))
+        self.to_strains = order(bands[2].S, (known, stages[-1]))
+        self.jumps, self.weights, self.runs = neighbours(bands)
+        axes = (0, 2) if d == 2 else range(d)
+        inside = [band.interior(pairs) if k in axes else None for k, band in enumerate(bands)]
+        of_pairs = [self.weights[PLAIN, k, inside[k][0], 1 : 1 + pairs] for k in axes]
+        sizes = self.boxes[:, KNOWN, :2, 1] - self.boxes[:, KNOWN, :2, 0]
+        self.row, inner = sizes.max(axis=0).tolist()
+        self.layer, self.layers = self.row * inner, (3 + conducts) * bands[2].reach + 1
+        strides = 1, self.row, self.layer
+        self.inside, self.far = tuple(inside), distances(self.layers, strides, axes, pairs)
+        self.inner = np.concatenate(of_pairs)
+        # whole vectors, an odd number: components do not compete for one place of the fast memory
+        step = 8 * (self.layers * self.layer // 16 * 2 + 3)
+        counts = 2 * d + 1, len(solid.unstrained((0.0,) * d)), d * d, 1, d
+        self.unknowns, self.strains, self.tractions, self.temperatures, self.heats = (
+            aligned(c * step).reshape(c, step) for c in counts
+        )
+        self.slopes = np.zeros((2 * d * d + d, WIDTH))
+
+    def sweep(self, part, found, y, q, f):
+        """Store the rates of the owned nodes, or what becomes of them (fsipetsc.scheme.sweep), in
+        f; y, q: planes of the owned nodes, and of all with a halo of two interior reaches, with
+        conduction of three.
+        """
+        heats = [(self.find_heats, HEATED)] * (self.kernels.conduct is not None)
+        stages = (self.load, KNOWN), (self.pull, STRAINED), *heats, (self.store, OWN)
+        self.begin(part, found, y, q, f)
+        self.take(self.steps, stages)
+
+    def sweep_strains(self, part, y, q, F):
+        """Fill planes of the strains F of the owned nodes; y, q: planes of their unknowns, and of
+        those of a halo of one reach.
+        """
+        stages = (self.load, KNOWN), (self.find_strains, OWN)
+        self.begin(part, None, y, q, F)
+        self.take(self.to_strains, stages)
+
+    def take(self, steps, stages):
+        """Take the stages of all tiles: what is done with a row of nodes, and the box of these
+        rows.
+        """
+        boxes = self.boxes
+        for t in each(boxes.shape[0]):
+            self.x0, self.y0 = (boxes[t, KNOWN, k, 0] for k in range(2))
+            for s in each(steps.shape[0]):
+                stage, z = steps[s, 0], steps[s, 1]
+                for number, (do, box) in enumerate(stages):
+                    with when(stage == number):
+                        for y in each(boxes[t, box, 1, 0], boxes[t, box, 1, 1]):
+                            x = boxes[t, box, 0, 0]
+                            do(x, named(boxes[t, box, 0, 1] - x), y, z)
 
     def at(self, x, y, z):
         """The place of a node in planes of the tile."""
-        of = self.volume
-        return named(z % of.layers * of.layer + (y - self.y0) * of.row + (x - self.x0))
+        return named(z % self.layers * self.layer + (y - self.y0) * self.row + (x - self.x0))
 
     def given(self, x, y, z):
         """What kernels take of the nodes from one on."""
-        of, part, at, place = self.volume, self.part, self.at(x, y, z), self.nodes.at(x, y, z)
+        part, at, place = self.part, self.at(x, y, z), self.ghosted_at(x, y, z)
         names = "unknowns", "strains", "tractions", "temperatures", "heats"
-        found = {name: getattr(of, name)[0, at:] for name in names}
+        found = {name: getattr(self, name)[0, at:] for name in names}
         if part.prestress is not None:
             found["prestress"] = part.prestress[0, place:]
-        metrics, pairs = part.metrics[0, place:], z % of.layers
+        metrics, pairs = part.metrics[0, place:], z % self.layers
         return found | {
-            **{"metrics": metrics, "N": self.nodes.N, "step": of.unknowns.shape[1], "p": of.p},
-            **{"slopes": of.slopes.reshape(-1), "far": of.far[0, pairs], "back": of.far[1, pairs]},
-            "w": of.inner,
+            **{"metrics": metrics, "N": self.N, "step": self.unknowns.shape[1], "p": self.p},
+            **{
+                "slopes": self.slopes.reshape(-1),
+                "far": self.far[0, pairs],
+                "back": self.far[1, pairs],
+            },
+            "w": self.inner,
         }
 
     def load(self, x, n, y, z):
         """Load unknowns."""
-        of = self.volume
-        for begin, count, q, N in self.nodes.loaded(x, x + n, y, z):
-            unknowns = of.unknowns[0, self.at(begin, y, z) :]
-            of.kernels.take(count, q=q, N=N, unknowns=unknowns, step=of.unknowns.shape[1])
+        for begin, count, q, N in self.loaded(x, x + n, y, z):
+            unknowns = self.unknowns[0, self.at(begin, y, z) :]
+            self.kernels.take(count, q=q, N=N, unknowns=unknowns, step=self.unknowns.shape[1])
 
     def differentiate(self, kind, f, first, following, count, to, x, n, y, z):
         """Store D_k f for k = 1 … d in planes of slopes, from ``to`` on; if kind is FREE, D°_k f.
@@ -248,7 +210,7 @@ class _Tile:
         with the same neighbours are taken together: along the row those in the interior, across it
         all.
         """
-        runs = self.volume.runs
+        runs = self.runs
         for k in range(self.d):
             axis = 2 * k if self.d == 2 else k
             of_f, to_slopes = first + k * following, to + k * count
@@ -266,72 +228,66 @@ class _Tile:
         """The same along one axis, of n nodes from ``begin`` on of the row that begins at x; node:
         whose neighbours they have along the axis.
         """
-        of, at = self.volume, self.at(begin, y, z)
-        for group in each((of.jumps[axis, node, 0] + 3) // 4):
+        at = self.at(begin, y, z)
+        for group in each((self.jumps[axis, node, 0] + 3) // 4):
             m = named(4 * group + 1)
-            far = [self.away(axis, of.jumps[axis, node, m + i], z) for i in range(4)]
+            far = [self.away(axis, self.jumps[axis, node, m + i], z) for i in range(4)]
             for c in each(count):
                 plane = f[first + c]
                 given = dict(zip("abcd", (plane[at + one :] for one in far), strict=True))
                 given |= {
-                    "w": of.weights[kind, axis, node, m:],
-                    "out": of.slopes[to + c, begin - x :],
+                    "w": self.weights[kind, axis, node, m:],
+                    "out": self.slopes[to + c, begin - x :],
                 }
                 with when(group == 0):
-                    of.kernels.combine(n, **given)
+                    self.kernels.combine(n, **given)
                 with otherwise():
-                    of.kernels.add(n, **given)
+                    self.kernels.add(n, **given)
 
     def away(self, axis, jump, z):
         """Numbers between a node and a neighbour along an axis in planes of the tile."""
-        of = self.volume
         if axis < 2:
-            return named(jump * of.row) if axis else jump
-        there = z % of.layers + jump
-        around = pick(there < 0, of.layers, pick(there < of.layers, 0, -of.layers))
-        return named((jump + around) * of.layer)
-
-    def parts_inside(self, x, n, y, z):
-        """Yield the parts of a row within the interior and beside it, and the kernels for them."""
-        return parts(x, x + n, y, z, self.volume.inside)
+            return named(jump * self.row) if axis else jump
+        there = z % self.layers + jump
+        around = pick(there < 0, self.layers, pick(there < self.layers, 0, -self.layers))
+        return named((jump + around) * self.layer)
 
     def pull(self, x, n, y, z):
-        """Find F, T and the tractions t^k."""
-        of = self.volume
-        for begin, count, inside in self.parts_inside(x, n, y, z):
+        """Find F, T and the tractions t^k, within the interior with kernels of its own."""
+        for begin, count, inside in parts(x, x + n, y, z, self.inside):
             with when(inside):
-                of.kernels.pull_inside(count, **self.given(begin, y, z))
+                self.kernels.pull_inside(count, **self.given(begin, y, z))
             with otherwise():
                 place = begin, count, y, z
-                self.differentiate(PLAIN, of.unknowns, 0, 0, self.d, 0, *place)
-                of.kernels.pull(count, **self.given(begin, y, z))
+                self.differentiate(PLAIN, self.unknowns, 0, 0, self.d, 0, *place)
+                self.kernels.pull(count, **self.given(begin, y, z))
 
     def find_heats(self, x, n, y, z):
         """Find the heats A^k . h."""
-        self.differentiate(PLAIN, self.volume.temperatures, 0, 0, 1, 0, x, n, y, z)
-        self.volume.kernels.conduct(n, **self.given(x, y, z))
+        self.differentiate(PLAIN, self.temperatures, 0, 0, 1, 0, x, n, y, z)
+        self.kernels.conduct(n, **self.given(x, y, z))
 
     def find_strains(self, x, n, y, z):
         """Store F."""
-        of, own, at = self.volume, self.nodes.own_at(x, y, z), self.at(x, y, z)
-        self.differentiate(PLAIN, of.unknowns, 0, 0, self.d, 0, x, n, y, z)
-        of.kernels.strain(n, **self.given(x, y, z))
-        for c in each(of.strains.shape[0]):
+        own, at = self.own_at(x, y, z), self.at(x, y, z)
+        self.differentiate(PLAIN, self.unknowns, 0, 0, self.d, 0, x, n, y, z)
+        self.kernels.strain(n, **self.given(x, y, z))
+        for c in each(self.strains.shape[0]):
             for i in each(n, vector=True):
-                self.nodes.f[c, own + i] = of.strains[c, at + i]
+                self.f[c, own + i] = self.strains[c, at + i]
 
     def store(self, x, n, y, z):
         """Store rates, but the next stage of nodes to whose rates nothing is added."""
-        of, d, nodes = self.volume, self.d, self.nodes
-        for first, count_of_first, kind in nodes.stored(self.found, x, x + n, y, z):
-            for begin, count, inside in self.parts_inside(first, count_of_first, y, z):
-                own, given = nodes.own_at(begin, y, z), self.given(begin, y, z)
+        d = self.d
+        for first, length, kind in self.stored(x, x + n, y, z):
+            for begin, count, inside in parts(first, first + length, y, z, self.inside):
+                own, given = self.own_at(begin, y, z), self.given(begin, y, z)
                 with when(inside):
-                    nodes.run(of.kernels.stores_inside, kind, self.found, count, own, **given)
+                    self.run(self.kernels.stores_inside, kind, count, own, **given)
                 with otherwise():
                     place = begin, count, y, z
-                    self.differentiate(FREE, of.tractions, 0, d, d, 0, *place)
-                    self.differentiate(PLAIN, of.unknowns, d, 0, d, d * d, *place)
-                    if of.kernels.conduct is not None:
-                        self.differentiate(FREE, of.heats, 0, 1, 1, 2 * d * d, *place)
-                    nodes.run(of.kernels.stores, kind, self.found, count, own, **given)
+                    self.differentiate(FREE, self.tractions, 0, d, d, 0, *place)
+                    self.differentiate(PLAIN, self.unknowns, d, 0, d, d * d, *place)
+                    if self.kernels.conduct is not None:
+                        self.differentiate(FREE, self.heats, 0, 1, 1, 2 * d * d, *place)
+                    self.run(self.kernels.stores, kind, count, own, **given)

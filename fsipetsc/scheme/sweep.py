@@ -1,11 +1,10 @@
-"""What sweeps of gases and of solids have in common: where nodes are, in which order layers are
-taken, and what becomes of the rates k of nodes: k itself, or what follows in a stage of a step.
+"""What sweeps of gases and of solids have in common.
 
 Nodes are swept in tiles: ranges along the first axis, and along the second one of three. The layers
 of a tile along the last axis are taken one after the other, and arrays keep few of them, in a ring.
 
-Where nothing else adds to the rates of nodes, their sweep makes the stage at once, and k needs no
-memory. The classical Runge-Kutta method from the solution y has the stages
+Where nothing else adds to the rates k of nodes, their sweep makes the next stage at once, and k
+needs no memory. The classical Runge-Kutta method from the solution y has the stages
 
     y1 = y + dt/2 k(y),   y2 = y + dt/2 k(y1),   y3 = y + dt k(y2)
 
@@ -18,6 +17,7 @@ fsipetsc.scheme.runge_kutta does the same after all is added, with such a sum.
 """
 
 from collections.abc import Sequence
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -48,11 +48,11 @@ def store(kernel: Kernel, kind: int, k: Sequence[Any]) -> None:
 
 
 def text_of(kernels: Any, d: int, row: int, order: int) -> str:
-    """The C code that sweeps of a block in d dimensions need. kernels: a tuple that may have tuples
-    of kernels, and other data. row: how many numbers a row of a tile has room for. order: of the
-    operators.
+    """The C code that sweeps of a block in d dimensions need. kernels: a record that has kernels,
+    tuples of them, and other data. row: how many numbers a row of a tile has room for. order: of
+    the operators.
     """
-    nested = (one if isinstance(one, tuple) else (one,) for one in kernels)
+    nested = (one if isinstance(one, tuple) else (one,) for one in vars(kernels).values())
     every = [kernel for some in nested for kernel in some if isinstance(kernel, Kernel)]
     texts, pairs = [kernel.text() for kernel in every], f"#define PAIRS {order // 2}"
     if d == 3:
@@ -60,12 +60,13 @@ def text_of(kernels: Any, d: int, row: int, order: int) -> str:
     return unit(f"#define ROW {row}\n", *texts)
 
 
-def order(ahead: Sequence[int], ranges: Sequence[tuple[int, int]]) -> NDArray[np.int64]:
+def order(S: Any, ranges: Sequence[tuple[int, int]]) -> NDArray[np.int64]:
     """(n, 2) stages and layers in the order in which a sweep takes them, each as late as may be.
 
-    ranges: of the layers of each stage. Before a layer a stage needs all up to this number plus its
-    ``ahead`` from the stage before it.
+    ranges: of the layers of each stage. Before a layer a stage needs all from the stage before it
+    that have pairs with this layer, by the weights S of pairs along the last axis.
     """
+    ahead = [int(np.flatnonzero(of_layer).max(initial=0)) for of_layer in S.T]
     found, begun = [], [begin for begin, _ in ranges]
 
     def take(stage: int, last: int) -> None:
@@ -80,24 +81,37 @@ def order(ahead: Sequence[int], ranges: Sequence[tuple[int, int]]) -> NDArray[np
     return np.array(found, np.int64)
 
 
+def pieces(begin: int, count: int, most: int, multiple: int = 1) -> list[tuple[int, int]]:
+    """First node and first beyond of pieces of so many nodes, about equal, ``most`` at most; all
+    but the last have a multiple of some number.
+    """
+    size = -(-count // -(-count // most))
+    size += -size % multiple
+    ends = range(begin, begin + count, size)
+    return [(a, min(a + size, begin + count)) for a in ends]
+
+
 def in_order(of_axes: Any, d: int) -> Any:
     """Return three numbers in the order first axis, second one of three, last one."""
     return (of_axes[0], of_axes[2], of_axes[1]) if d == 2 else tuple(of_axes)
 
 
-class Nodes:
-    """The nodes of a part, by their numbers x, y, z along the axes in this order.
-
-    y: planes of the owned nodes of a state, q: of all with the halo, f: of what is found.
+class Sweep(SimpleNamespace):
+    """What sweeps know of the nodes of a part, by their numbers x, y, z along the first axis, the
+    second one of three, and the last one.
     """
 
-    def __init__(self, part: Any, y: Any, q: Any, f: Any) -> None:
-        own, self.sizes, self.first = (in_order(of_axes, len(part.like)) for of_axes in part.patch)
-        self.own, self.end = own, [first + n for first, n in zip(self.first, own, strict=True)]
-        self.part, self.y, self.q, self.f = part, y, q, f
+    def begin(self, part: Any, found: Any, y: Any, q: Any, f: Any) -> None:
+        """Record what follows for a part. found: see fsipetsc.scheme.runge_kutta. y: planes of the
+        owned nodes of a state, q: of all with the halo, f: of what is found.
+        """
+        self.part, self.found, self.d = part, found, len(part.like)
+        self.own, self.sizes, self.first = (in_order(of_axes, self.d) for of_axes in part.patch)
+        self.end = [first + n for first, n in zip(self.first, self.own, strict=True)]
         self.N, self.M = part.metrics.shape[1], part.masses.shape[0]
+        self.y, self.q, self.f = y, q, f
 
-    def at(self, x: Any, y: Any, z: Any) -> Any:
+    def ghosted_at(self, x: Any, y: Any, z: Any) -> Any:
         """The number of a node in ghosted arrays."""
         return named((z * self.sizes[1] + y) * self.sizes[0] + x)
 
@@ -108,34 +122,30 @@ class Nodes:
 
     def loaded(self, x: Any, to: Any, y: Any, z: Any) -> Any:
         """Yield parts of a row of nodes x … to - 1: where they begin, how many they are, and the
-        unknowns of the first one, how far their planes are apart. Owned nodes are read from y, if
-        it is there.
+        unknowns of the first one, how far their planes are apart. Owned nodes are read from y.
         """
-        if self.y is None:
-            yield x, to - x, self.q[0, self.at(x, y, z) :], self.N
-            return
         ends = zip(self.first, self.end, strict=True)
         for begin, n, own in parts(x, to, y, z, ends):
-            place, other = self.own_at(begin, y, z), self.at(begin, y, z)
+            place, other = self.own_at(begin, y, z), self.ghosted_at(begin, y, z)
             q = either(own, self.y[0, place:], self.q[0, other:])
             yield begin, n, q, pick(own, self.M, self.N)
 
-    def stored(self, found: Any, x: Any, to: Any, y: Any, z: Any) -> Any:
+    def stored(self, x: Any, to: Any, y: Any, z: Any) -> Any:
         """Yield parts of a row of owned nodes: where they begin, how many they are, and what is
-        stored of them. found: fsipetsc.scheme.runge_kutta.Found.
+        stored of them.
         """
-        kind = whole(found.stage[0])
+        kind = whole(self.found.stage[0])
         for begin, n, free in parts(x, to, y, z, self.part.free, kind != RATES):
             yield begin, n, pick(free, kind, RATES)
 
-    def run(self, kernels: Any, kind: Any, found: Any, n: Any, own: Any, **given: Any) -> None:
+    def run(self, kernels: Any, kind: Any, n: Any, own: Any, **given: Any) -> None:
         """Run the kernel of a kind of what is stored, from the owned node ``own`` on."""
-        worlds = {"y": found.y}
-        worlds |= dict(zip(("y1", "y2", "y3"), found.stages, strict=True))
+        worlds = {"y": self.found.y}
+        worlds |= dict(zip(("y1", "y2", "y3"), self.found.stages, strict=True))
         given |= {name: world[self.part.begin + own :] for name, world in worlds.items()}
         for number, kernel in enumerate(kernels):
             with when(kind == number):
-                kernel(n, next=self.f[0, own:], M=self.M, a=found.stage[1], **given)
+                kernel(n, next=self.f[0, own:], M=self.M, a=self.found.stage[1], **given)
 
 
 def parts(x: Any, to: Any, y: Any, z: Any, ends: Any, may_be: Any = None) -> Any:

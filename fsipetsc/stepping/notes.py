@@ -17,7 +17,7 @@ from fsipetsc.blockrun.solid_part import SolidPart
 from fsipetsc.checks import place_text
 from fsipetsc.equations.tensors import determinant
 from fsipetsc.errors import ComputationError, InputError
-from fsipetsc.scheme.conservation_check import Drifts
+from fsipetsc.scheme.observables import Drifts
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, TIME, TOO_SHORT, longest_step
 from fsipetsc.state import State
 
