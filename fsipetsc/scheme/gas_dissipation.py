@@ -135,9 +135,7 @@ def bend(rise, fall, size):
 
 
 def sense(steepness, alpha, stride, length):
-    """alpha of all nodes along an axis of so many; steepness: a function that returns the s of a
-    node.
-    """
+    """Fill alpha of all nodes along an axis of so many; steepness: returns the s of a node."""
     for line in each(alpha.size // (stride * length)):
         first = line * (stride * length)
         begin, beyond = first + stride, first + stride * length
@@ -160,9 +158,7 @@ def largest(alpha, i, stride, weights):
 
 
 def fluxes(part, damp, k, stride):
-    """sigma/4^q lambda/(1 + eta) U_z Delta z of differences by their first nodes, 0 if one does not
-    fit.
-    """
+    """Fill F of differences, by their first nodes, with zeros where one does not fit."""
     gas, raises, potential = part.laws, part.form.raises, part.volume.potential
     weights, norm = damp.differences.weights, damp.differences.norm[k]
     like_z, nothing = (*part.like, 0.0, 0.0), (0.0,) * (len(part.like) + 2 + raises)
@@ -191,9 +187,7 @@ def fluxes(part, damp, k, stride):
 
 
 def collect(part, damp, k, stride, first, own, n, rates):
-    """Add sums and H^-1 Delta^T F to the rates of a row of n owned nodes, from ``own`` on; first:
-    the first one's number.
-    """
+    """Add sums and H^-1 Delta^T F to rates of n owned nodes; first: the number of the first one."""
     raises, weights = part.form.raises, damp.differences.weights
     order, d = len(weights) - 1, len(part.like)
     like_F, of_links = (0.0,) * (d + 2 + raises), (0.0,) * (d + 2 + raises * (d + 1))
@@ -218,9 +212,7 @@ def collect(part, damp, k, stride, first, own, n, rates):
 
 
 def split_pairs(part, damp, k, stride):
-    """Move the part alpha of its flux from each pair to links; add to their areas and volume
-    fluxes.
-    """
+    """Take alpha of its flux from each pair; add to areas and volume fluxes of its links."""
     gas, form, potential, S = part.laws, part.form, part.volume.potential, part.S[k]
     like_w, like_v = (0.0,) * (len(part.like) + 5), gas.of_grid(part.like)
     length, grid = part.patch.ghosted[k], len(part.like) ** 2

@@ -98,9 +98,7 @@ def along_axes(name, d):
 
 
 def turning(d):
-    """Return the names of the components of angular momentum about the origin: none in one
-    dimension, one in two, three in three.
-    """
+    """Return the names of the components of angular momentum about the origin: 0, 1 or 3."""
     return along_axes("angular_momentum", 3) if d == 3 else ["angular_momentum"] * (d - 1)
 
 

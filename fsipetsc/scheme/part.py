@@ -100,9 +100,7 @@ def ghosted_node(i, patch):
 
 
 def rows_of(part):
-    """Yield each row of owned nodes: the first one in ghosted arrays, among the owned ones, how
-    many.
-    """
+    """Yield rows of owned nodes: the first in ghosted arrays, among the owned ones, how many."""
     (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = part.patch.own, part.patch.ghosted, part.patch.first
     for z in each(n2):
         for y in each(n1):
@@ -110,9 +108,7 @@ def rows_of(part):
 
 
 def images(part):
-    """Around an axis or a centre: fill the halo before r = 0 with mirror images of the nodes behind
-    it, times part.signs.
-    """
+    """Fill the halo before r = 0 with mirror images of the nodes behind it, times part.signs."""
     values, signs = part.halo, part.signs
     (g0, _, _), (f0, f1, _) = part.patch.ghosted, part.patch.first
     rows, n = (f0, 1) if len(part.like) == 1 else (f1, g0)

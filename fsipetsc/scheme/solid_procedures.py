@@ -169,9 +169,7 @@ def seen_at(part, q, own, node):
 
 
 def prestress_energy(part, F, node):
-    """S : (F - 1)/m0 of a prestress S: energy per mass [J/kg], of which T knows with heat 'elastic'
-    alone.
-    """
+    """S : (F - 1)/m0 of a prestress S [J/kg], of which T knows with heat 'elastic' alone."""
     if part.prestress is None:
         return 0.0
     zeros = (0.0,) * len(part.like) ** 2

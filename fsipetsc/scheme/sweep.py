@@ -82,9 +82,7 @@ def order(S: Any, ranges: Sequence[tuple[int, int]]) -> NDArray[np.int64]:
 
 
 def pieces(begin: int, count: int, most: int, multiple: int = 1) -> list[tuple[int, int]]:
-    """First node and first beyond of pieces of so many nodes, about equal, ``most`` at most; all
-    but the last have a multiple of some number.
-    """
+    """Ends of pieces, about equal, of at most ``most`` nodes; a multiple of some number in each."""
     size = -(-count // -(-count // most))
     size += -size % multiple
     ends = range(begin, begin + count, size)
