@@ -78,6 +78,12 @@ def check_name(value: Any, what: str) -> None:
         raise InputError(f"{what}: name is {described(value)}: expected a line of text without |")
 
 
+def check_units(value: Any, what: str) -> None:
+    """InputError if a value does not say whether numbers have units."""
+    if value not in ("SI", "none", ""):
+        raise InputError(f"{what}: units is {described(value)}: expected 'SI' or 'none'")
+
+
 def extent(X: Any, what: str) -> tuple[float, float]:
     """(left, right), left < right; InputError."""
     if not isinstance(X, (tuple, list, np.ndarray)) or len(X) != 2:

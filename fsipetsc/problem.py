@@ -145,6 +145,7 @@ class Problem:
     dimension: int = field(default=1, init=False)
 
     def __post_init__(self) -> None:
+        checks.check_units(self.units, "Problem")
         given = self.layers
         if not isinstance(given, (tuple, list)) or not all(isinstance(v, _Layer) for v in given):
             expected = "expected a tuple of FluidLayer and SolidLayer"

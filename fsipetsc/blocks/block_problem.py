@@ -10,7 +10,7 @@ import numpy as np
 from fsipetsc.blocks.block import Block, Range, mesh, size_of
 from fsipetsc.blocks.conditions import Centre, Condition, Hinge
 from fsipetsc.blocks.faces import FaceName, Faces, Kinds, Meeting, number_of, united
-from fsipetsc.checks import Array, described, function, place_text
+from fsipetsc.checks import Array, check_units, described, function, place_text
 from fsipetsc.errors import InputError
 from fsipetsc.materials.own import knows_entropy
 from fsipetsc.operators.bands import Band, band, centred_band
@@ -57,6 +57,7 @@ class BlockProblem:
         if len({*names}) < len(names) or len({block.dimension for block in self.blocks}) > 1:
             wanted = "expected names of their own and one number of dimensions"
             raise InputError(f"BlockProblem: blocks {', '.join(names)}: {wanted}")
+        check_units(self.units, "BlockProblem")
         function(self.jumps, "BlockProblem: jumps", optional=True)
         faces = Faces(self.blocks, self.faces)
         self.tolerance, self.members, self._kinds = faces.tolerance, faces.particles, faces.kinds
