@@ -165,6 +165,21 @@ class GasPart(BlockPart):
         change = (momentum**2 - q[rows, 2 : 2 + d] ** 2).sum(axis=1) / q[rows, 1]
         q[rows, 2 : 2 + d], q[rows, 2 + d] = momentum, q[rows, 2 + d] + 0.5 * change
 
+    def steepest(self, q: Array) -> tuple[float, ...]:
+        """The largest change of the pressure from an owned node to one beside it, over the larger
+        bulk modulus, and X there. q: (N, d + 3) of all nodes with a halo.
+        """
+        at, change, stride = self.owned, np.zeros(self.owned.size), 1
+        with np.errstate(all="ignore"):  # corners of halos hold nothing, and are not used
+            w = self.equations.primitive(tuple(q.T))
+            p, K = w[1], self.equations.law.bulk_modulus(w[0], w[2])
+        for size in self.part.patch.ghosted[: self._d]:
+            beside = np.where(at // stride % size < size - 1, at + stride, at)
+            apart = np.abs(p[beside] - p[at]) / np.maximum(K[beside], K[at])
+            change, stride = np.maximum(change, apart), stride * size
+        most = change.argmax()
+        return change[most], *self.X[:, at[most]]
+
     def fields(self, q: Array, rows: slice = slice(None)) -> Array:
         """(…, 2d + 4) what is saved of these rows of the owned nodes: rho, u, T, p, J over that of
         the reference map, x.

@@ -27,6 +27,9 @@ Array = np.ndarray
 FAR = 1.5
 #: part of its volume by which a gas may begin with more or less of it than its map says
 STRETCHED = 0.01
+#: part of the larger modulus K = rho dp/drho, p of a perfect gas, by which the pressures of
+#: neighbouring nodes may differ
+STEEP = 0.2
 #: entries of F - 1 below which the waves of a law are those at rest
 SMALL = 0.01
 #: what a minor of an acoustic tensor, over its largest entry, must be below
@@ -92,6 +95,25 @@ def stretched_gases(state: BlockState) -> list[str]:
         "state of a solid beside it is not where it ends"
         for block, (volume, of_map) in zip(blocks, volumes.tolist(), strict=True)
         if abs(volume - of_map) > STRETCHED * of_map
+    ]
+
+
+def steep_waves(state: State, opt: Mapping[str, Any]) -> list[str]:
+    """Gases in which the pressure jumps from one node to the next, without -fsi_shock."""
+    if opt["fsi_shock"] or not isinstance(state, BlockState):
+        return []
+    steepest = np.zeros((len(state.problem.blocks), 1 + state.problem.dimension))  # and where
+    for k, part in state.parts.items():
+        if part.block.kind == "fluid":
+            steepest[k] = part.steepest(state.y.ghosted(k))
+    every = np.array(state.comm.allgather(steepest))
+    found = every[every[..., 0].argmax(axis=0), np.arange(len(steepest))]
+    m = state.problem.unit("m")
+    return [
+        f"at the end the pressure in '{block.name}' changes by {100 * value:.0f} % from one node "
+        f"to the next, at {place_text(X)}{m}: shocks need -fsi_shock 1 -fsi_dissipation 1"
+        for block, (value, *X) in zip(state.problem.blocks, found.tolist(), strict=True)
+        if value > STEEP
     ]
 
 

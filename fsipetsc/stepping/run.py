@@ -39,7 +39,7 @@ from fsipetsc.scheme.plan import RATE, longest_step
 from fsipetsc.state import State
 from fsipetsc.stepping import restart
 from fsipetsc.stepping.integrator import Integrator
-from fsipetsc.stepping.notes import Ledgers, first_notes, imaginary_waves, long_steps
+from fsipetsc.stepping.notes import Ledgers, first_notes, imaginary_waves, long_steps, steep_waves
 from fsipetsc.stepping.restart import Past
 
 #: before the place of what a run that failed has computed
@@ -312,6 +312,7 @@ class Run(Integrator):
                 self.frame()
             self.writer.flush()  # so that the summary knows what it took
             found = self.state.errors(self.t, self.opt["fsi_norm"])
+            self.line(*(f"note: {text}" for text in steep_waves(self.state, self.opt)))
         except (ComputationError, InputError, file_layout.CheckpointError) as error:
             failure = error
             if isinstance(error, ComputationError):
