@@ -49,7 +49,7 @@ LINES = [
     ("stability -stability_points 10", 2, "6/3"),
     # files
     ("rod -fsi_output no/such/x.h5", 4, "no/such: No such file or directory"),
-    ("rod -fsi_output /proc/x.h5", 4, "cannot write in this directory: "),
+    ("rod -fsi_output /proc/x.h5", 4, "no file can be written in the directory /proc: "),
     ("rod -fsi_output b.h5 -fsi_checkpoint b.h5", 2, "b.h5…that is where the result goes"),
     ("rod -fsi_checkpoint text.h5", 4, "text.h5: exists and is not a checkpoint of fsipetsc"),
     ("rod -fsi_restart rod.h5", 4, "rod.h5: …is not a checkpoint"),

@@ -83,8 +83,12 @@ def writing(target: Path, what: str = "the picture") -> Iterator[None]:
 
 def check_folder(path: str | os.PathLike[str]) -> None:
     """FileError, which names the file that is to be written, unless its directory takes files."""
-    with writing(Path(path), "in this directory"):
-        TemporaryFile(dir=os.path.dirname(os.path.realpath(path))).close()
+    folder = os.path.dirname(os.path.realpath(path))
+    try:
+        TemporaryFile(dir=folder).close()
+    except OSError as error:
+        said = f"no file can be written in the directory {folder}: {error.strerror}"
+        raise FileError(f"{os.fspath(path)}: {said}") from None
 
 
 def open_h5(path: str | os.PathLike[str], mode: str = "r") -> h5py.File:
