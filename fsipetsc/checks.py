@@ -55,7 +55,8 @@ def number(value: Any, what: str, bound: str = ANY, unit: str = "") -> float:
     """The value as a float; InputError if it is no finite real number or out of bound."""
     expected = f"expected a number{' ' * bool(bound)}{bound}{f' [{unit}]' if unit else ''}"
     try:
-        found = np.nan if isinstance(value, (str, bytes, bool, np.bool_)) else float(value)
+        wrong = isinstance(value, (str, bytes, bool, np.bool_, complex)) or np.ndim(value) > 0
+        found = np.nan if wrong else float(value)
     except (TypeError, ValueError, OverflowError):
         found = np.nan
     if not isfinite(found):
@@ -76,6 +77,12 @@ def check_name(value: Any, what: str) -> None:
     """InputError if a value is no name of a layer or a block."""
     if not isinstance(value, str) or not value.isprintable() or not value.strip() or "|" in value:
         raise InputError(f"{what}: name is {described(value)}: expected a line of text without |")
+
+
+def check_cells(value: Any, what: str) -> None:
+    """InputError if a value is no number of cells of a layer; None: by the spacing."""
+    if value is not None and not whole(value):
+        raise InputError(f"{what}: cells is {described(value)}: expected a whole number above 0")
 
 
 def check_units(value: Any, what: str) -> None:

@@ -105,7 +105,7 @@ def _main(arguments: list[str]) -> int:
             if launcher_rank() == 0:
                 _answer(first, arguments[1:])
         else:
-            world = start_mpi()
+            world = start_mpi(alone=True)
             notes = world.Dup()
             if first in COMMANDS:
                 COMMANDS[first].find(first)(arguments[1:], world)

@@ -50,6 +50,7 @@ class _Layer:
             found = described(self.material)
             raise InputError(f"{what}: material is {found}: expected a {wanted.__name__}")
         object.__setattr__(self, "X", checks.extent(self.X, what))
+        checks.check_cells(self.cells, what)
         for name in ("initial", "forcing", "exact"):
             checks.function(getattr(self, name), f"{what}: {name}", optional=name != "initial")
 
@@ -146,6 +147,7 @@ class Problem:
 
     def __post_init__(self) -> None:
         checks.check_units(self.units, "Problem")
+        checks.function(self.jumps, "Problem: jumps", optional=True)
         given = self.layers
         if not isinstance(given, (tuple, list)) or not all(isinstance(v, _Layer) for v in given):
             expected = "expected a tuple of FluidLayer and SolidLayer"

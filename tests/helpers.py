@@ -24,6 +24,7 @@ _MPI_ENVIRONMENT = {
     "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
     "OMPI_MCA_btl_base_warn_component_unused": "0",
+    "OMPI_MCA_pml": "ob1",  # what drives networks (UCX) takes 0.2 s to load
     "OMPI_MCA_btl": "^tcp",  # all ranks are on this node, and of some networks Open MPI complains
     "OMPI_MCA_hwloc_base_binding_policy": "none",  # two jobs at a time would share the first cores
     "HWLOC_HIDE_ERRORS": "2",  # a bare root may have no /sys

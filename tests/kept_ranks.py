@@ -104,7 +104,7 @@ def work() -> None:
         ranks, folder, os.environ["CFLAGS"], lines = json.loads(line)
         if world.rank < ranks:
             comm = first(ranks)
-            cli.start_mpi = lambda comm=comm: comm
+            cli.start_mpi = lambda alone, comm=comm: comm
             os.chdir(folder)
             answers = comm.gather([answered(words) for words in lines])
             if world.rank == 0:

@@ -81,6 +81,37 @@ def test_an_error_of_a_function_ends_all_with_its_place(name, tmp_path):
             assert steps >= 10, "no function is asked for times that are still to come"
 
 
+TABLE = """
+from pathlib import Path
+from fsipetsc import Fluid, FluidLayer, Problem, Wall
+
+NAME, OPTIONS, DEFAULTS = "table", (), {"fsi_h": 0.05, "ts_max_time": 1.0}
+
+
+def heated(t):
+    if Path("ended").exists() and t > 0.0:
+        raise ValueError("the table ends")
+    return 300.0 + t
+
+
+def build(opt):
+    air = Fluid(1.8e-5, 0.026, 1.4, 287.0)
+    at_rest = lambda X: (1.2 + 0.0 * X, 0.0 * X, 300.0 + 0.0 * X)
+    return Problem((FluidLayer("air", air, (0.0, 1.0), at_rest),), Wall(0.0, T=heated), Wall(1.0))
+"""
+
+
+def test_a_restart_whose_data_fail(tmp_path):
+    (tmp_path / "table.py").write_text(TABLE)
+    line = "table.py", "-fsi_checkpoint_steps", 3, "-fsi_quiet", "-ts_max_steps"
+    well(solve(*line, 6, cwd=tmp_path))
+    (tmp_path / "ended").touch()
+    done = solve(*line, 9, "-fsi_restart", "auto", cwd=tmp_path)
+    message(done, 2, "table.py, line 10", "ValueError: the table ends")
+    with fsipetsc.open_run(tmp_path / "table.h5") as result:
+        assert result.summary["status"] == "failed" and result.series["t"].size == 6
+
+
 PROGRAM = f"{sys.executable} -m fsipetsc"
 #: prints far more than what one who leaves after a line has read, in many writes
 COMPUTES = f"{PROGRAM} rod -fsi_h 0.1 -ts_max_steps 300 -ts_monitor"

@@ -172,11 +172,13 @@ class Block:
         """InputError for wrong cells or periodic; both become tuples."""
         for name in ("cells", "periodic"):
             given = getattr(self, name)
-            object.__setattr__(self, name, tuple(np.atleast_1d(given).tolist()))
+            given = tuple(given) if isinstance(given, (tuple, list, np.ndarray)) else (given,)
+            object.__setattr__(self, name, given)
         d = len(self.cells)
         if not (1 <= d <= 3 and all(map(whole, self.cells))):
             wanted = "expected 1, 2 or 3 whole numbers above 0"
             raise InputError(f"{self}: cells is {described(self.cells)}: {wanted}")
+        object.__setattr__(self, "cells", tuple(map(int, self.cells)))
         object.__setattr__(self, "periodic", self.periodic or (False,) * d)
         if len(self.periodic) != d or not all(isinstance(p, bool) for p in self.periodic):
             wanted = "expected True or False for each axis"

@@ -46,6 +46,9 @@ def number_of(blocks: Sequence[Block], name: Any) -> int:
 
 def check_faces(blocks: Sequence[Block], faces: Mapping[FaceName, Condition]) -> None:
     """InputError for wrong names and conditions."""
+    if not isinstance(faces, Mapping):
+        wanted = "expected {(block name, axis, side): condition, …}"
+        raise InputError(f"BlockProblem: faces is {described(faces)}: {wanted}")
     for name, condition in faces.items():
         if not isinstance(name, tuple) or len(name) != 3:
             wanted = "expected (block name, axis, side)"

@@ -12,8 +12,12 @@ from fsipetsc.process.program import is_launched
 from fsipetsc.process.together import Comm, together
 
 
-def start_mpi() -> Comm:
-    """Return COMM_WORLD. Collective; ModuleNotFoundError where there is no mpi4py."""
+def start_mpi(alone: bool = False) -> Comm:
+    """Return COMM_WORLD. Collective; ModuleNotFoundError where there is no mpi4py.
+
+    alone: this process is one that the program has to itself, if no launcher started it: Open MPI
+    is told so, which saves 0.3 s.
+    """
     import mpi4py
 
     mpi4py.rc.thread_level = "funneled"  # as PETSc asks for; locks for more threads cost time
@@ -24,29 +28,22 @@ def start_mpi() -> Comm:
     # a rank that waits must not take the core from what it waits for: on a machine with more busy
     # programs than cores a run on two ranks may else take many times as long
     os.environ.setdefault("OMPI_MCA_mpi_yield_when_idle", "1")
-    own = {name: text for name, text in _at_start().items() if name not in os.environ}
+    # Open MPI 5.0.7 of Debian 13 warns of network interfaces between which it finds no way
+    # (open-mpi/ompi issue 14079). Where all ranks are on this node, they need no network.
+    size, interfaces = os.environ.get("OMPI_COMM_WORLD_SIZE"), "OMPI_MCA_btl_tcp_if_"
+    chosen = any(name.startswith(interfaces) for name in os.environ)
+    if size and size == os.environ.get("OMPI_COMM_WORLD_LOCAL_SIZE") and not chosen:
+        os.environ[f"{interfaces}include"] = "lo"
+    own = {}
+    if alone and not is_launched():  # no process beside this one, and nothing for networks (UCX)
+        own = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_pml": "ob1"}
+        own = {name: text for name, text in own.items() if name not in os.environ}
     os.environ.update(own)
     from mpi4py import MPI
 
-    for name in own:  # other programs that this one starts may be on other nodes
+    for name in own:  # programs that this one starts have more ranks
         del os.environ[name]
     return MPI.COMM_WORLD
-
-
-def _at_start() -> dict[str, str]:
-    """What Open MPI is told where all ranks are on this node, and need no network: to load what
-    drives networks (UCX) takes 0.2 s.
-    """
-    size, network = os.environ.get("OMPI_COMM_WORLD_SIZE"), "OMPI_MCA_btl_tcp_if_"
-    if is_launched() and (not size or size != os.environ.get("OMPI_COMM_WORLD_LOCAL_SIZE")):
-        return {}
-    found = {"OMPI_MCA_pml": "ob1"}
-    if not is_launched():  # nor a process that starts others, which takes 0.1 s
-        found["OMPI_MCA_ess_singleton_isolated"] = "1"
-    # Open MPI 5.0.7 of Debian 13 warns of network interfaces between which it finds no way
-    # (open-mpi/ompi issue 14079)
-    chosen = any(name.startswith(network) for name in os.environ)
-    return found if chosen else {**found, f"{network}include": "lo"}
 
 
 def start_petsc(arguments: Sequence[str], comm: Comm) -> dict[str, str]:

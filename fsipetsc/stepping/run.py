@@ -338,9 +338,9 @@ class Run(Integrator):
 
     def _begin(self) -> None:
         self._say_what_runs()
+        self.ledgers = Ledgers({}, {})  # until there is a state
         self._long_steps = list[str]()  # what is said of them, at the beginning and after a failure
         if self.past is None:
-            self.ledgers = Ledgers({}, {})  # until there is a state
             self.start()
             self.frame()
             self.ledgers = Ledgers(self.state.invariants, self.initial)
