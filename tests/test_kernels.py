@@ -275,6 +275,16 @@ def test_a_home_that_cannot_be_written_costs_a_warning(tmp_path):
     assert done.stderr.count("warning: cannot keep compiled kernels in /proc/none/.cache") == 1
 
 
+def test_what_is_compiled_on_one_rank_serves_all(tmp_path):
+    """No rank has all the conditions, whose data depend on time."""
+    env = {"FSIPETSC_CACHE": str(tmp_path / "cache"), "CFLAGS": "-O0"}
+    case = str(REPOSITORY / "tests" / "timed.py"), "-timed_kind", "ends"
+    well(ranks_of(1, tmp_path, env, "-m", "fsipetsc", "compile", *case))
+    made = sorted((tmp_path / "cache").iterdir())
+    well(ranks_of(3, tmp_path, env, "-m", "fsipetsc", *case, "-ts_max_steps", "2", "-fsi_quiet"))
+    assert sorted((tmp_path / "cache").iterdir()) == made
+
+
 def test_the_text_of_kernels_is_kept_and_found(tmp_path):
     said = well(solve("compile", "rod", "-fsi_debug", cwd=tmp_path)).stdout
     paths = re.findall("C text of kernels: (.*)", said)

@@ -168,7 +168,8 @@ def test_the_velocity_of_a_wall_is_the_derivative_of_its_place(name):
     def check(velocity):
         problem = at_wall(x, velocity=velocity)
         particles = particles_of(problem)
-        Prescribed(problem, particles, lambda: 1 / 256).check_motion(1.0)
+        here = np.arange(len(particles))
+        Prescribed(problem, particles, here, lambda: 1 / 256).check_motion(1.0)
 
     check(v)
     if name != "rest":

@@ -71,7 +71,7 @@ ACCEPTED = {
 
 def check(problem):
     particles = particles_of(problem)
-    Prescribed(problem, particles, lambda: 1e-3).check_motion(1.0)
+    Prescribed(problem, particles, np.arange(len(particles)), lambda: 1e-3).check_motion(1.0)
 
 
 @pytest.mark.parametrize("case", REFUSED)

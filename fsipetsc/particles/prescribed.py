@@ -50,36 +50,51 @@ class Prescribed:
     """Data of conditions at the particles of this rank. Functions of the case are asked for all
     particles of a condition at once.
 
-    instant: gives a short time [s], a step for differences in time. data: those found last.
+    particles: all of the problem. here: numbers (n,) of those of this rank. instant: gives a short
+    time [s], a step for differences in time. data: those found last. sources: of all conditions,
+    also those that no particle here has: so the text of their record is the same on all ranks.
     """
 
     def __init__(
-        self, problem: Any, particles: Sequence[Particle], instant: Callable[[], float]
+        self,
+        problem: Any,
+        particles: Sequence[Particle],
+        here: Array,
+        instant: Callable[[], float],
     ) -> None:
-        self._problem, self._particles, self._instant = problem, particles, instant
-        n, d = len(particles), problem.dimension
+        self._problem, self._every, self._instant = problem, particles, instant
+        self._particles = [particles[p] for p in here]
+        self._number = np.full(len(particles), -1)
+        self._number[here] = np.arange(here.size)
+        n, d = here.size, problem.dimension
         several = np.zeros((n, d + 2)), np.zeros((n, 2 * d))
         self.data = Data(*np.zeros((6, n, d)), *np.zeros((2, n)), *several)
-        first = (particle.members[0] for particle in particles)
+        first = (particle.members[0] for particle in self._particles)
         places = [problem.places(k, np.array([node]))[0] for k, node in first]
         self._x = np.array(places).reshape(n, d)
         self.sources = [
             Source(condition, make, self._x[who].T, who, *targets)
-            for condition, who, make, targets in self._sources_of()
+            for condition, every, make, targets in self._sources_of()
+            for who in [self._here(every)]
         ]
 
+    def _here(self, every: Array) -> Array:
+        """Which particles of this rank are among some of the problem."""
+        number = self._number[every]
+        return number[number >= 0]
+
     def _grouped(self, name: str) -> list[tuple[Any, Array]]:
-        """(condition, numbers of its particles), for each condition of this name."""
+        """(condition, numbers of its particles in the problem), for each one of this name."""
         found: dict[int, tuple[Any, list[int]]] = {}
-        for p, particle in enumerate(self._particles):
+        for p, particle in enumerate(self._every):
             if name in particle.faces:
                 condition = particle.faces[name].met
                 found.setdefault(id(condition), (condition, []))[1].append(p)
         return [(condition, np.array(who)) for condition, who in found.values()]
 
     def _sources_of(self) -> Iterator[tuple[Any, Array, Make, tuple[Array, ...]]]:
-        """Where data come from: condition, numbers of its particles, formula (x, t) of numbers or
-        symbols, where these go. What comes later holds.
+        """Where data come from: condition, numbers of its particles in the problem, formula (x, t)
+        of numbers or symbols, where these go. What comes later holds.
         """
         out, problem, grouped = self.data, self._problem, self._grouped
         walls = sorted(grouped("slip") + grouped("wall"), key=lambda group: group[0].moves)
@@ -90,7 +105,7 @@ class Prescribed:
             groups = [(c, who) for c, who in grouped(name) if not c.all_given]
             yield from ((c, who, partial(temperature, c), (T,)) for c, who in groups)
         for c, who in grouped("given_gas"):
-            law_of = np.array([problem.law_at(self._particles[p].members) for p in who])
+            law_of = np.array([problem.law_at(self._every[p].members) for p in who])
             for law in np.unique(law_of):
                 yield c, who[law_of == law], partial(gas_of, c, problem.gas_laws[law]), (out.gas,)
         for c, who in grouped("given_solid"):
@@ -108,10 +123,12 @@ class Prescribed:
         """
         times = [part * t_end for part in TIMES]
         for name in ("wall", "slip", "given_gas", "clamp"):
-            for c, who in self._grouped(name):
-                if c.velocity and c.moves and t_end > 0.0:
+            for c, who in ((c, self._here(every)) for c, every in self._grouped(name)):
+                if not c.velocity or not who.size:
+                    continue
+                if c.moves and t_end > 0.0:
                     self._check_derivative(c, who, times[2:5])
-                elif c.velocity and name == "wall":
+                elif not c.moves and name == "wall":
                     self._check_along(c, who, times)
         for first, other, who in self._meetings():
             self._compare(first, other, who, times)

@@ -67,7 +67,7 @@ class ParticleSystem:
             RowExchange(layout.comm, tag, owners, wanted, c)
             for tag, c in enumerate(columns, PARTICLES_TAG)
         )
-        self.prescribed = Prescribed(layout.problem, self._particles, instant)
+        self.prescribed = Prescribed(layout.problem, particles, here, instant)
         begin = np.searchsorted(number, np.arange(n + 1))
         self.record = SimpleNamespace(
             like=(0.0,) * d,
