@@ -211,9 +211,13 @@ class View:
             title = labelled(run, quantity.title, quantity.unit)
             self.labels, self.ratio = (last, title.replace("; ", ",\n")), 1.6
 
-    def at(self, layer: Layer, frame: int, more: str = "") -> list[Array]:
+    def _rings(self, layer: Layer) -> tuple[int, ...]:
+        return layer.rings if self.run.dimension == 2 else ()
+
+    def at(self, layer: Layer, frame: int, more: str = "", closed: bool = True) -> list[Array]:
         """Return places of a frame, horizontal ones and of maps vertical ones, more fields, and
-        values. Of three dimensions what lies in the middle of the second axis.
+        values. Of three dimensions what lies in the middle of the second axis. closed: a ring ends
+        with the nodes that it begins with.
         """
         fields = layer.frame(frame)
         found = [fields[x] for x in ("x", "xy", "xz")[self.run.dimension - 1] + more]
@@ -221,7 +225,7 @@ class View:
             found.append(self.quantity.values(layer, fields))
         else:
             found.append(np.full_like(found[0], np.nan))
-        for axis in layer.rings if self.run.dimension == 2 else ():  # it ends where it begins
+        for axis in self._rings(layer) if closed else ():
             found = [np.append(v, v.take([0], axis), axis) for v in found]
         return [v[:, v.shape[1] // 2] if v.ndim == 3 else v for v in found]
 
@@ -296,14 +300,19 @@ class View:
         flow = np.full((2, STREAM, STREAM), np.nan)
         for layer in self.layers:
             if layer.kind == "fluid":
-                *at, u, v, _ = self.at(layer, frame, "uv" if self.run.dimension == 2 else "uw")
+                names = "uv" if self.run.dimension == 2 else "uw"
+                *at, u, v, _ = self.at(layer, frame, names, closed=False)
                 n = np.arange(u.size).reshape(u.shape)
+                for axis in self._rings(layer):
+                    n = np.append(n, n.take([0], axis), axis)
                 a, b, c, d = (of.ravel() for of in (n[:-1, :-1], n[:-1, 1:], n[1:, :-1], n[1:, 1:]))
                 mesh = Triangulation(*map(np.ravel, at), np.r_[np.c_[a, b, c], np.c_[b, d, c]])
                 for of, values in zip(flow, (u, v)):
                     found = LinearTriInterpolator(mesh, values.ravel())(*np.meshgrid(x, y))
                     np.copyto(of, found.data, where=~found.mask)
         speed = np.hypot(*flow)
+        if not np.isfinite(speed).any():  # a field of solids alone
+            return
         flow[:, speed < STILL * np.nanmax(speed)] = np.nan
         axes.streamplot(x, y, *flow, color="white", linewidth=0.5, arrowsize=0.5)
 
@@ -356,7 +365,8 @@ def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity])
             t = np.broadcast_to(run.time[:, None], x.shape)
             shades = np.linspace(scale["vmin"], scale["vmax"], SHADES)
             axes.contourf(x, t, np.ma.masked_invalid(values), shades, extend="both", **scale)
-        for x, (color, width) in product(run.series.get("x_interface", t[:0]).T, OUTLINE):
+        lines = run.series.get("x_interface", np.empty((0, 0))).T
+        for x, (color, width) in product(lines, OUTLINE):
             axes.plot(x, run.series["t"], color=color, linewidth=width)
         draw_bars(figure, view, axes)
         axes.set(xlim=view.limits[0], ylim=run.time[[0, -1]], xlabel=view.labels[0])

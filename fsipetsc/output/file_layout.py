@@ -158,14 +158,16 @@ def pieces(folder: Path) -> list[Path]:
     return [*takewhile(Path.exists, (piece(folder, k) for k in count(1)))]
 
 
-def read_about(file: h5py.File) -> dict[str, Any]:
-    """Return what is known of the run of a piece. FileError; any exception if it is damaged."""
+def read_about(file: h5py.File, name: str) -> dict[str, Any]:
+    """Return what is known of the run of a piece, which FileError calls by this name; any exception
+    if it is damaged.
+    """
     about: dict[str, Any] = json.loads(file["about"][()] if "about" in file else "{}")
     if about.get("format") != FORMAT:
-        raise FileError(f"{file.filename}: is not a result of fsipetsc")
+        raise FileError(f"{name}: is not a result of fsipetsc")
     if about["version"] != VERSION:
         said = f"has the file format {about['version']}, and this fsipetsc reads {VERSION}"
-        raise FileError(f"{file.filename}: {said}")
+        raise FileError(f"{name}: {said}")
     return {"summary": {}, "errors": {}, **about}
 
 

@@ -203,7 +203,7 @@ def all_panels(run: Run) -> dict[str, list[Panel]]:
             unit, apart = written(unit_of(name, run)), name.startswith("residual")
             panel = Panel(label, unit, t, curves, logarithmic=apart)
             found["interfaces" if one.of == "interface" else "ledgers"].append(panel)
-    at, dt = envelope(t, run.series["dt"], len(t) // 4)
+    at, dt = envelope(t, run.series["dt"], max(2, len(t) // 4))
     found["steps"].append(Panel(STEP, "s", at, {"dt": dt}))
     return found
 
@@ -235,9 +235,12 @@ def _draw_curves(figure: FigureBase, run: Run, panels: list[Panel], columns: int
             axes.plot(t, values, label=name)
         if panel.logarithmic:
             axes.set_yscale("log")
-            axes.set_ylim(bottom=max(axes.get_ylim()[0], axes.get_ylim()[1] / SPAN))
+            low, high = axes.get_ylim()
+            decades = np.log10([max(low, high / SPAN), high])
+            axes.set_ylim(10.0 ** np.floor(decades[0]), 10.0 ** np.ceil(decades[1]))
+            axes.yaxis.set_minor_formatter("")  # labels of less than two decades would touch
         if panel.label == STEP:
-            axes.set_ylim(bottom=0.0)
+            axes.set_ylim(0.0, 1.05 * panel.curves["dt"].max())
         drawing.label_y(axes, drawing.labelled(run, panel.label, panel.unit))
         if len(panel.curves) > 1 or panel.logarithmic:
             drawing.legend_above(axes)  # else its one name says nothing

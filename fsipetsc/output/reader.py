@@ -68,19 +68,30 @@ class Run:
             name = f"{name.removesuffix('.parts')}.h5"
         self.path = os.path.abspath(name)
         whole = Path(self.path)
-        files = [whole] if whole.exists() else pieces(beside(whole, ".parts"))
-        if not all(map(Path.is_file, files or [whole])):  # a pipe would wait for a writer
+        if not whole.exists() and (found := pieces(beside(whole, ".parts"))):
+            try:
+                self._read(found)
+            except FileError:
+                if not whole.exists():
+                    raise
+            if not whole.exists():  # else the pieces have become one file meanwhile
+                return
+        if not whole.is_file():  # a pipe would wait for a writer
             what = "is no regular file" if whole.exists() else "there is no such file"
             raise FileError(f"{name}: {what}")
-        self._read(files)
+        self._read([whole], name)
 
-    def _read(self, files: Sequence[Path]) -> None:
-        """Read all but fields. FileError, which tells what is not as it should be."""
+    def _read(self, files: Sequence[Path], name: str = "") -> None:
+        """Read all but fields. FileError, which tells what is not as it should be.
+
+        name: of a file, as it was given; else the files go by their whole paths.
+        """
         self._files: list[tuple[Path, int]] = []  # and how many frames they have
         nodes, times, series = list[Array](), list[Array](), dict[str, list[Array]]()
         for path in files:
-            with damage(str(path)), open_h5(path) as file:
-                self.about = read_about(file)
+            called = name or str(path)
+            with damage(called), open_h5(path) as file:
+                self.about = read_about(file, called)
                 layers = self.about["header"]["layers"]
                 times.append(numbers(file["time"], None))
                 self._files.append((path, len(times[-1])))
@@ -298,8 +309,10 @@ class InterfaceLine:
 
 def _short(places: Array) -> list[Array]:
     """Return coordinates as arrays along their own axes, if each depends on its own axis alone."""
+    if not places.size:  # of a result without frames
+        return [*places]
     rows = [np.moveaxis(X, -1 - k, -1).reshape(-1, X.shape[-1 - k]) for k, X in enumerate(places)]
-    straight = places.size and all(np.ptp(of, axis=0).max() <= 1e-12 * np.ptp(of) for of in rows)
+    straight = all(np.ptp(of, axis=0).max() <= 1e-12 * np.ptp(of) for of in rows)
     return [row[0] for row in rows] if straight else [*places]
 
 

@@ -228,7 +228,10 @@ class RunWriter:
         else:
             frames, rows = 0, 0
             if left and not whole:
-                self._join()
+                with suppress(FileError):
+                    self._join()
+            if not os.path.lexists(self.path) and left:  # damaged, so set aside as they are
+                self.moved.append((self.folder, _set_pieces_aside(self.path)))
             clear(self.folder)
         for file in filter(os.path.lexists, (checkpoint or "", self.path)):
             self.moved.append((Path(file), set_aside(Path(file))))
@@ -305,12 +308,25 @@ def clear(folder: Path) -> None:
         path.unlink()
 
 
-def set_aside(file: Path) -> Path:
-    """Give NAME.h5 the first number that no result has, as NAME.1.h5, which it returns. OSError."""
+def _unused(file: Path) -> Path:
+    """Return NAME.1.h5 for NAME.h5, or the next number that no result has."""
     ending = ".h5" * (file.suffix == ".h5")
     names = (beside(file, f".{k}{ending}") for k in itertools.count(1))
     taken = os.path.lexists
-    return file.rename(next(x for x in names if not (taken(x) or taken(beside(x, ".parts")))))
+    return next(x for x in names if not (taken(x) or taken(beside(x, ".parts"))))
+
+
+def set_aside(file: Path) -> Path:
+    """Give NAME.h5 the first number that no result has, as NAME.1.h5, which it returns. OSError."""
+    return file.rename(_unused(file))
+
+
+def _set_pieces_aside(file: Path) -> Path:
+    """Move the pieces of NAME.h5 likewise, to NAME.1.parts, which it returns. OSError."""
+    (new := beside(_unused(file), ".parts")).mkdir()
+    for piece in layout.pieces(beside(file, ".parts")):
+        piece.rename(new / piece.name)
+    return new
 
 
 def lay_out(draft: Path, content: bytes, shapes: Mapping[str, tuple[int, ...]]) -> None:

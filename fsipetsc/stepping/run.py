@@ -24,7 +24,15 @@ from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blockrun.saved import chosen
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.checks import counted, described, duration
-from fsipetsc.errors import ComputationError, FsiError, InputError, Interrupted, call, place_of
+from fsipetsc.errors import (
+    ComputationError,
+    FileError,
+    FsiError,
+    InputError,
+    Interrupted,
+    call,
+    place_of,
+)
 from fsipetsc.options import read_options
 from fsipetsc.output import file_layout
 from fsipetsc.output.geometry_picture import geometry_rows, outlines
@@ -320,7 +328,13 @@ class Run(Integrator):
             self.writer.flush()
         number = self.stop_signal
         summary = self._summary(failure)
-        self.writer.finish(summary, found, join=not number)  # there may be no time to join it
+        try:
+            self.writer.finish(summary, found, join=not number)  # there may be no time to join it
+        except FileError as error:
+            if failure is None:
+                raise
+            failure.args = (f"{failure}; {error}",)
+            raise failure from None
         path: Path = self.writer.path
         where = f"{self.writer.folder} (opened as {path.name})" if number else str(path)
         norm, errors = self.opt["fsi_norm"], summary_rows(found or {})
