@@ -6,6 +6,7 @@ import pytest
 from helpers import REPOSITORY, assert_readable, launch, message, solve, well
 
 import fsipetsc
+from fsipetsc.cli import main
 
 
 def test_a_layer_that_becomes_too_short(tmp_path):
@@ -79,6 +80,17 @@ def test_an_error_of_a_function_ends_all_with_its_place(name, tmp_path):
             assert result.summary["status"] == "failed"
             assert result.series["t"].size == steps, "no step that was good is lost"
             assert steps >= 10, "no function is asked for times that are still to come"
+
+
+def test_a_run_that_cannot_begin_leaves_a_result_and_the_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    case, line = tmp_path / "mad.py", ("mad.py", "-mad_layers", "s", "-ts_max_steps", 1)
+    case.write_text(CASE.read_text().replace("1.0, X, Y", "1.0, X - 0.3 * np.sin(6 * X), Y"))
+    message(solve(*line, cwd=tmp_path), 2, "the run cannot begin: J = -", "computed before is in")
+    assert all(main([word, "mad.h5"]) == 0 for word in ("info", "report", "plot"))
+    case.write_text(CASE.read_text())
+    assert "kept the earlier mad.h5" in well(solve(*line, cwd=tmp_path)).stdout
+    assert main(["plot", "mad.h5", "-streamlines"]) == 0  # there is no gas
 
 
 TABLE = """

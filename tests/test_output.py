@@ -123,6 +123,11 @@ def test_earlier_results_are_kept_and_a_second_run_of_the_name_is_refused(left):
         made(left, frames)
     for name, frames in (("run.3.h5", 12), ("run.4.h5", 2), ("run.h5", 3)):
         assert fsipetsc.open_run(folder / name).nframes == frames + 1
+    (damaged := folder / "run.parts").mkdir()
+    (damaged / "000001.h5").touch()
+    (folder / "run.h5").unlink()
+    made(left, 1)
+    assert (folder / "run.5.parts/000001.h5").exists() and fsipetsc.open_run(left).nframes == 2
 
 
 WITHOUT = """

@@ -17,6 +17,7 @@ from PIL import Image
 
 from fsipetsc.cli import main
 from fsipetsc.output import drawing, page, quantities
+from fsipetsc.output.reader import open_run
 
 PRESSED = "-fsi_coupling projection -solid_gruneisen 0.01"
 RUNS = {
@@ -94,6 +95,13 @@ def test_maps_are_on_the_grid(results):
     assert axes.get_ylim()[1] > of["y"].max() and axes.get_aspect() == 1.0
     assert [view.scales[kind]["cmap"] for kind in view.scales] == ["viridis", "cividis"]
     assert view.bars == {"fluid": "pressure p", "solid": "mean stress in solids"}
+
+
+def test_a_ring_and_what_has_no_interface(results, tmp_path):
+    ring = computed(tmp_path, "ring.h5", "ring", "-ts_max_steps", 1)
+    assert page.page(ring, drawing.Wanted(streamlines=True)).subfigs
+    one = open_run(results["rod"].path)
+    assert one.series.pop("x_interface").size and figure_of(one, "xt").axes
 
 
 def test_plot_in_the_format_of_the_name(results, tmp_path, capsys):
