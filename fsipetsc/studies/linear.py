@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.linalg import orth
 from scipy.optimize import brentq
+from scipy.sparse.csgraph import structural_rank
 from scipy.sparse.linalg import eigs
 
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
@@ -133,7 +134,9 @@ def column_modes(state: BlockState, axis: int, n: int) -> tuple[Complex, list[Co
 
 
 def modes_near(state: BlockState, s: complex, count: int = 1) -> Complex:
-    """So many eigenvalues [1/s] next to s. InputError where the state is not steady."""
+    """Eigenvalues [1/s] next to s: so many, or all but 2. InputError where the state is not steady
+    or none are found.
+    """
     state.set_initial()
     n, y = state.layout.local_size - state.layout.auxiliary, state.solution.array.copy()
     nudges = TINY * scales(state)[:n]
@@ -144,7 +147,13 @@ def modes_near(state: BlockState, s: complex, count: int = 1) -> Complex:
     if np.abs(TINY * f[:n] / nudges).max() > AT_REST * abs(rates).max():
         raise InputError("the blocks are not in a steady state at first")
     matrix = (projection @ rates).astype(complex)
-    return eigs(matrix, count, sigma=s, v0=np.ones(n), return_eigenvectors=False)
+    try:
+        if s == 0 and structural_rank(matrix) < n:
+            raise RuntimeError("what is at rest stays so")  # SuperLU would print many lines first
+        return eigs(matrix, min(count, n - 2), sigma=s, v0=np.ones(n), return_eigenvectors=False)
+    except (RuntimeError, TypeError) as error:  # singular, without convergence, of 2 unknowns
+        known = f"-modes_near {abs(s):g}, -modes_count {count}: no modes found of {n} unknowns"
+        raise InputError(f"{known} ({error}); another frequency may help") from error
 
 
 def scales(state: BlockState) -> Real:
