@@ -33,6 +33,7 @@ assert list(own.time) == [0.0, *times] and set(times) <= {*own.series["t"]} and 
 for case, options, said in (
     (problem, {"h": 0.05, "max_tim": 1.0}, "did you mean"),
     (3, {}, "a Problem"),
+    ("rod", {"check": True}, "the command line has -fsi_check"),
     (Problem((wrong,), Wall(0.0), Wall(1.0)), {"h": 0.05, "max_time": 1}, "ZeroDivisionError"),
 ):
     with pytest.raises(InputError, match=said):
