@@ -241,11 +241,26 @@ def check_solid_law(law: Any, d: int) -> None:
     for name, shape in {**shapes, "acoustic_tensor": ([n, d], n)}.items():
         _check_recorded(f"solid_law: {name}", getattr(law, name), *shape)
     F = tuple((np.eye(d).ravel() + 0.03 * np.cos(np.arange(n))).tolist())
+    _check_on_arrays(law, F)
     P = law.stress(F)
     slopes = gradient(law.energy, F) if knows_energy(law) else P
     if not np.allclose(slopes, P, rtol=0.0, atol=1e-5 * max(*map(abs, P), law.wave_modulus(F))):
         wrong = f"at F = {F} it is {P}, and that {slopes}"
         raise InputError(f"solid_law: stress is not the derivative of energy: {wrong}")
+
+
+def _check_on_arrays(law: Any, F: Sequence[float]) -> None:
+    """InputError if stress or energy of a law cannot be had at two nodes at once."""
+    for name in ("stress", "energy"):
+        formula = getattr(law, name)
+        try:
+            found = formula(tuple(np.full(2, entry) for entry in F))
+            for values in found if name == "stress" else (found,):
+                np.broadcast_to(values, 2)
+        except Exception as error:  # of the user's function
+            place = place_in(error) or place_of(formula)
+            what = f"{name} of entries that are arrays: {place}: {reason(error)}"
+            raise InputError(f"solid_law: {what}") from error
 
 
 def _check_recorded(what: str, formula: Formula, given: Sequence[int], wanted: int = 0) -> None:
