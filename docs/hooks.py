@@ -19,7 +19,7 @@ MEMBERS = {
     "fsipetsc.Run": "at interface to_xarray close",
     "fsipetsc.output.reader.Layer": "size frame",
     "fsipetsc.output.differences.Comparison": "equal",
-    "fsipetsc.Fluid": "sound_speed internal_energy cv",
+    "fsipetsc.Fluid": "sound_speed cv",
     "fsipetsc.Solid": "pressure sound_speed",
     "fsipetsc.materials.solid.ElasticSolid": "K",
     "fsipetsc.mesh_files.Grid": "faces",

@@ -134,6 +134,11 @@ def test_the_site_has_all_public_names_with_all_arguments():
     import fsipetsc
     from fsipetsc.blocks import conditions
 
+    for name, members in hooks().MEMBERS.items():
+        module, _, last = name.rpartition(".")
+        of = getattr(importlib.import_module(module), last)
+        known = {*dir(of), *vars(of).get("__annotations__", ())}
+        assert known >= {*members.split()}, name
     names = {name for found in hooks().public_names().values() for name in found}
     assert {f"fsipetsc.{n}" for n in fsipetsc.__all__} - names == {"fsipetsc.__version__"}
     made = {n: of for n, of in vars(conditions).items() if isinstance(of, type)}
