@@ -37,7 +37,8 @@ from fsipetsc.scheme.plan import EXHAUSTED, SAID_STOP, TOO_SHORT, plan_next, ste
 from fsipetsc.scheme.runge_kutta import STAGES
 from fsipetsc.state import FAULT, Seen, State
 
-#: kind of layer -> procedures by name
+#: kind of layer -> procedures by name; a lambda of the layer alone, because the recorder would
+#: take fill_ghost's other argument, new=False, for a world vector
 _GAS = {"fill": lambda layer: ends.fill_ghost(layer), "rates": rates.gas_rates}
 _SOLID = {"close": ends.close_solid, "rates": rates.elastic_rates, "stretch": rates.stretch}
 OF_LAYERS: dict[str, dict[str, Any]] = {
