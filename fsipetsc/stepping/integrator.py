@@ -92,7 +92,7 @@ class Integrator:
         state.set_initial()
         state.set_data(self.t)  # with differences in time of the length that a step has
         state.finish()
-        check(state, self.t, self.steps)
+        check(state, self.opt, self.t, self.steps)
         for name in state.latest.dtype.names:
             if SERIES[name].kind == INTEGRAL:
                 self.initial[name] = state.comm.allreduce(state.latest[name]).tolist()
@@ -235,7 +235,7 @@ class Integrator:
         self.t, made, longest = self.state.batch[[plan.TIME, plan.MADE, plan.LONGEST]].tolist()
         self.steps += int(made)
         self._recorded += int(made) - 1  # the last one only if it is sound
-        check(self.state, self.t, self.steps)
+        check(self.state, self.opt, self.t, self.steps)
         self._recorded += 1
         self.passed, stop = self._pass(), float(self.state.results[plan.STOP])
         self.stop_signal = int(stop)

@@ -40,10 +40,7 @@ FINEST = {1: 1, 2: 4, 3: 2}
 TOO_LARGE = 1e150
 #: fields that must be above 0; others need only be finite
 POSITIVE = "rho", "T", "J", "x_X", "m0 c^2"
-HELPS = (
-    "what usually helps: shorter steps (-fsi_cfl or -ts_dt), a finer grid (-fsi_h); where there "
-    "are shocks -fsi_coupling conservative -fsi_dissipation 1 -fsi_shock 1"
-)
+HELPS = "what usually helps: shorter steps (-fsi_cfl or -ts_dt), a finer grid (-fsi_h)"
 #: a part of the run's energy that may be round-off: of a smaller one no share is told
 NOTHING = 1e-12
 
@@ -184,7 +181,18 @@ def _directions(d: int) -> Array:
     return np.unique([np.divide(N, size).round(15) for N, size in some.items()], axis=0)
 
 
-def check(state: State, t: float, step: int) -> None:
+def what_helps(opt: Mapping[str, Any]) -> str:
+    """Advice after a failure, without options that are in force."""
+    more = {
+        "-fsi_coupling conservative": opt["fsi_coupling"] != "conservative",
+        "-fsi_dissipation 1": opt["fsi_dissipation"] <= 0.0,
+        "-fsi_shock 1": opt["fsi_shock"] == 0.0,
+    }
+    words = " ".join(word for word, lacks in more.items() if lacks)
+    return f"{HELPS}; where there are shocks {words}" if words else HELPS
+
+
+def check(state: State, opt: Mapping[str, Any], t: float, step: int) -> None:
     """Raise ComputationError, or InputError of the first state, if the run cannot go on from the
     state at t [s].
     """
@@ -196,7 +204,7 @@ def check(state: State, t: float, step: int) -> None:
         state.go_back()
         waves = imaginary_waves(state, float(state.batch[TIME]))
         first = state.repeat(partial(first_bad, state)) or first
-        causes = [*waves.values()] or [HELPS]
+        causes = [*waves.values()] or [what_helps(opt)]
         raise ComputationError("; ".join([f"{described(state, first)}, {when}", *causes]))
     if flags[EXHAUSTED] or flags[TOO_SHORT]:
         raise ComputationError(f"at {when} {state.used_up()}")
