@@ -27,30 +27,30 @@ def vectors(like, normals, p, k):
     return part_of(like, normals, p, 2 * d * k), part_of(like, normals, p, 2 * d * k + d)
 
 
-def solve(all, p, one, M, M_s, a, b):
+def solve(record, p, one, M, M_s, a, b):
     """Change a of the gas and b of the solid least in their masses so that G_c . a + S_c . b =
-    wanted_c, which all.pi has, and which becomes pi.
+    wanted_c, which record.pi has, and which becomes pi.
     """
-    like, normals, pi, A, K = all.like, all.normals, all.pi, all.matrix, one.count
+    like, normals, pi, A, K = record.like, record.normals, record.pi, record.matrix, one.count
     sticks, free_gas = one.sticks == 1, one.free_gas == 1
     per_gas = np.where((M > 0.0) & free_gas, 1.0 / M, 0.0)
     per_gas = np.where(sticks, np.where(free_gas, 1.0 / (M + M_s), 0.0), per_gas)
     per_solid = np.where((M_s > 0.0) & (one.free_solid == 1) & ~sticks, 1.0 / M_s, 0.0)
 
-    def of(k):
+    def pull(k):
         """G and S of a constraint; of what sticks their sum and S, which does not matter then."""
         G, S = vectors(like, normals, p, k)
         return choose(sticks, add(G, S), G), S
 
     for k in each(K):
-        G, S = of(k)
+        G, S = pull(k)
         pi[k] -= dot(G, value_of(a)) + np.where(sticks, 0.0, dot(S, value_of(b)))
         for i in each(K):
-            G_i, S_i = of(i)
+            G_i, S_i = pull(i)
             A[k, i] = dot(G, G_i) * per_gas + dot(S, S_i) * per_solid
-    eliminate(K, A, pi, all.pivots)
+    eliminate(K, A, pi, record.pivots)
     for k in each(K):
-        G, S = of(k)
+        G, S = pull(k)
         on_gas, on_solid = pi[k] * per_gas, pi[k] * per_solid
         for c in range(len(like)):
             a[c].value += on_gas * G[c]
@@ -85,31 +85,31 @@ def eliminate(K, A, x, size):
             x[k] /= A[k, k]
 
 
-def slide(all, gain, p, one):
+def slide(record, gain, p, one):
     """Project the velocities of a particle on what its constraints allow; the kinetic energy that
     the solid loses goes to the gas.
     """
-    like, U, pi, M, M_s = all.like, all.U, all.pi, all.mass[p], all.solid_mass[p]
-    rho, v, w = U[p, 0], node(like, all.v, p), node(like, all.data.wall, p)
+    like, U, pi, M, M_s = record.like, record.U, record.pi, record.mass[p], record.solid_mass[p]
+    rho, v, w = U[p, 0], node(like, record.v, p), node(like, record.data.wall, p)
     for k in each(one.count):
-        G, S = vectors(like, all.normals, p, k)
-        pi[k] = np.where(all.constraint[p, k] == SLIPS, dot(add(G, S), w), 0.0)
+        G, S = vectors(like, record.normals, p, k)
+        pi[k] = np.where(record.constraint[p, k] == SLIPS, dot(add(G, S), w), 0.0)
     new_u, new_v = list(map(variable, velocity(like, U, p, M))), list(map(variable, v))
-    solve(all, p, one, M, M_s, new_u, new_v)
+    solve(record, p, one, M, M_s, new_u, new_v)
     new_u, new_v = value_of(new_u), value_of(new_v)
     change = 0.5 * M_s * dot(sub(new_v, v), add(new_v, v))  # of the solid's kinetic energy
     for k in each(pick(one.mine == 1, one.count, 0)):  # what forces do to bodies they move
-        G, S = vectors(like, all.normals, p, k)
+        G, S = vectors(like, record.normals, p, k)
         moved = add(scale(number(one.free_gas), G), scale(number(one.free_solid), S))
         accumulate(gain.impulse, scale(pi[k], moved))
     with when(M_s > 0.0):  # without a solid v stays 0: it is read, and a failed step has NaN
-        put_part(all.v, p, 0, new_v)
+        put_part(record.v, p, 0, new_v)
     with when(M > 0.0):
         put_part(U, p, 1, scale(rho, new_u))
     with when((M_s > 0.0) & (M > 0.0)):
-        all.e[p] += change / M_s
+        record.e[p] += change / M_s
         given = one.given_gas == 1  # the gas keeps what it has; the energy comes in
-        U[p, len(like) + 1] -= np.where(given, 0.0, change / all.V[p])
+        U[p, len(like) + 1] -= np.where(given, 0.0, change / record.V[p])
         gain.energy[one.moves_gas] += np.where(given & (one.mine == 1), change, 0.0)
 
 
@@ -125,15 +125,16 @@ def velocity(like, U, p, M):
     return choose(M > 0.0, per(part_of(like, U, p, 1), U[p, 0]), nothing)
 
 
-def accelerate(all, gain, p, one, of_gas, of_solid):
+def accelerate(record, gain, p, one, of_gas, of_solid):
     """U_t of the gas and acceleration of the solid of a particle, from the sums of rates. Clamps
     and walls prescribe accelerations, and gas and solid that stick have one. A gas that is given
     has none: it gets its velocity in each stage, and the solid with it.
     """
-    like, data, U = all.like, all.data, part_of((*all.like, 0.0, 0.0), all.U, p, 0)
+    like, data, U = record.like, record.data, part_of((*record.like, 0.0, 0.0), record.U, p, 0)
     (J_t, R, R_m, R_E), (_, _, F, _), nothing = of_gas, of_solid, (0.0,) * len(like)
-    M, M_s, v = all.mass[p], all.solid_mass[p], node(like, all.v, p)
-    u, w, w_t = velocity(like, all.U, p, M), node(like, data.wall, p), node(like, data.wall_rate, p)
+    M, M_s, v = record.mass[p], record.solid_mass[p], node(like, record.v, p)
+    u, w = velocity(like, record.U, p, M), node(like, data.wall, p)
+    w_t = node(like, data.wall_rate, p)
     a_g = choose(M > 0.0, per(along(R_m, -R, u), M), nothing)
     a_s = choose(M_s > 0.0, per(F, M_s), nothing)
     clamped, given = one.clamp == 1, one.given_gas == 1
@@ -144,21 +145,21 @@ def accelerate(all, gain, p, one, of_gas, of_solid):
     a, b = (list(map(variable, choose(one.sticks == 1, both, x))) for x in (a, b))
     with when(one.count > 0):
         for k in each(one.count):  # walls accelerate, area vectors turn under relative velocities
-            (G, S), (G_t, S_t) = (vectors(like, of, p, k) for of in (all.normals, all.turning))
+            (G, S), (G_t, S_t) = (vectors(like, n, p, k) for n in (record.normals, record.turning))
             turns = dot(S_t, sub(u, v)) - dot(add(G_t, S_t), sub(u, w))
-            slips = all.constraint[p, k] == SLIPS
-            all.pi[k] = np.where(slips, turns + dot(add(G, S), w_t), 0.0)
-        solve(all, p, one, M, M_s, a, b)
+            slips = record.constraint[p, k] == SLIPS
+            record.pi[k] = np.where(slips, turns + dot(add(G, S), w_t), 0.0)
+        solve(record, p, one, M, M_s, a, b)
     a, b = value_of(a), value_of(b)
     force, force_s = scale(M, sub(a, a_g)), scale(M_s, sub(b, a_s))
-    power, from_solid = powers(all, gain, p, one, force, force_s, u, v, w)
-    put_part(all.acceleration, p, 0, b)
+    power, from_solid = powers(record, gain, p, one, force, force_s, u, v, w)
+    put_part(record.acceleration, p, 0, b)
     with when(M > 0.0):
         rates = R, *add(R_m, force), R_E + power + from_solid
-        put_part(all.U_t, p, 0, per(along(rates, -J_t, U), all.V[p]))
+        put_part(record.U_t, p, 0, per(along(rates, -J_t, U), record.V[p]))
 
 
-def powers(all, gain, p, one, force, force_s, u, v, w):
+def powers(record, gain, p, one, force, force_s, u, v, w):
     """Two powers that the gas gets: from walls, and from the solid. Where the gas slips, a face
     moves as the wall or the solid there, not as the gas. To ``gain`` goes what walls and clamps do.
     """
@@ -166,17 +167,17 @@ def powers(all, gain, p, one, force, force_s, u, v, w):
     with when((one.count > 0) & (one.free_gas == 1) & (one.sticks == 0)):
         power.value = 0.0
         for k in each(one.count):
-            with when(all.constraint[p, k] == SLIPS):
-                G, S = vectors(all.like, all.normals, p, k)
-                power.value += all.pi[k] * dot(add(G, S), w)
-                of_solid.value -= all.pi[k] * dot(S, v)
+            with when(record.constraint[p, k] == SLIPS):
+                G, S = vectors(record.like, record.normals, p, k)
+                power.value += record.pi[k] * dot(add(G, S), w)
+                of_solid.value -= record.pi[k] * dot(S, v)
     both = (one.free_gas == 1) & (one.free_solid == 1)
     # forces of two free bodies on each other must cancel: those of the constraints alone count
     with when((one.mine == 1) & both):
         for k in each(one.count):
-            push = scale(all.pi[k], add(*vectors(all.like, all.normals, p, k)))
+            push = scale(record.pi[k], add(*vectors(record.like, record.normals, p, k)))
             accumulate(gain.impulse, push)
-            slips = all.constraint[p, k] == SLIPS
+            slips = record.constraint[p, k] == SLIPS
             at = pick(slips, one.moves_gas, one.moves_solid)
             gain.energy[at] += dot(push, choose(slips, w, v))
     with when((one.mine == 1) & ~both):
@@ -189,81 +190,81 @@ def powers(all, gain, p, one, force, force_s, u, v, w):
 # temperatures
 
 
-def weigh_heat(all):
+def weigh_heat(record):
     """Mean specific heat of the solid members of each particle, and mean of what they store."""
-    for p in each(all.facts.shape[0]):
+    for p in each(record.facts.shape[0]):
         mass, heat, energy = sums = variable(), variable(), variable()
-        for r in each(all.begin[p], all.begin[p + 1]):
-            with when(all.kind[r] == SOLID):
-                mass.value += all.weight[r]
-                heat.value += all.weight[r] * all.alpha[r]
-                energy.value += all.weight[r] * all.stored[r, 0]
+        for r in each(record.begin[p], record.begin[p + 1]):
+            with when(record.kind[r] == SOLID):
+                mass.value += record.weight[r]
+                heat.value += record.weight[r] * record.alpha[r]
+                energy.value += record.weight[r] * record.stored[r, 0]
         M_s, heat, energy = value_of(sums)
         with when(M_s > 0.0):
-            all.capacity[p] = heat / M_s
-            all.potential[p] = energy / M_s
+            record.capacity[p] = heat / M_s
+            record.potential[p] = energy / M_s
 
 
-def share_heat(law, which, all, gain):
+def share_heat(law, which, record, gain):
     """One temperature of gas and solid where both conduct, or that which is given: of a wall, of
     the gas, or of the solid. Of particles whose gas has this law, the one of this number.
     """
-    for p in each(all.facts.shape[0]):
-        one, U, M, at_E = all.facts[p], all.U, all.mass[p], len(all.like) + 1
+    for p in each(record.facts.shape[0]):
+        one, U, M, at_E = record.facts[p], record.U, record.mass[p], len(record.like) + 1
         warm, solid = one.warm_gas == 1, one.warm_solid == 1
         gas, both = (one.given_gas == 1) & ~warm, one.shares_heat == 1
         with when((one.law == which) & (warm | both) & (M > 0.0)):
-            u = velocity(all.like, U, p, M)
-            of_gas, of_solid = 0.5 * dot(u, u), rest_of(all, p)
+            u = velocity(record.like, U, p, M)
+            of_gas, of_solid = 0.5 * dot(u, u), rest_of(record, p)
             with when(warm | (solid & ~gas)):
-                T = np.where(warm, all.data.T[p], all.data.T_solid[p])
-                warm_the_gas(law, all, gain, p, of_gas, T)
+                T = np.where(warm, record.data.T[p], record.data.T_solid[p])
+                warm_the_gas(law, record, gain, p, of_gas, T)
             with when(gas & ~solid):
                 rho, E = U[p, 0], U[p, at_E]
                 T = law.temperature(rho, E / rho - of_gas)
-                warm_the_solid(all, gain, p, of_solid, T)
+                warm_the_solid(record, gain, p, of_solid, T)
             with when(~warm & ~gas & ~solid):
-                rho, c, M_s, e = U[p, 0], all.capacity[p], all.solid_mass[p], all.e[p]
+                rho, c, M_s, e = U[p, 0], record.capacity[p], record.solid_mass[p], record.e[p]
                 heat = M * (U[p, at_E] / rho - of_gas) + M_s * (e - of_solid)
                 T = common_temperature(law, rho, M, M_s * c, heat, (e - of_solid) / c)
                 sum_of_both = M * U[p, at_E] / rho + M_s * e  # it stays
                 e = of_solid + c * T
-                all.e[p] = e
+                record.e[p] = e
                 U[p, at_E] = rho * (sum_of_both - M_s * e) / M
 
 
-def warm_solids(all, gain):
+def warm_solids(record, gain):
     """The solids whose temperature is given get it."""
-    for p in each(all.facts.shape[0]):
-        with when((all.facts[p].warm_solid == 1) & (all.solid_mass[p] > 0.0)):
-            warm_the_solid(all, gain, p, rest_of(all, p), all.data.T_solid[p])
+    for p in each(record.facts.shape[0]):
+        with when((record.facts[p].warm_solid == 1) & (record.solid_mass[p] > 0.0)):
+            warm_the_solid(record, gain, p, rest_of(record, p), record.data.T_solid[p])
 
 
-def rest_of(all, p):
+def rest_of(record, p):
     """Energy per mass of a solid that is no heat."""
-    v = node(all.like, all.v, p)
-    return all.potential[p] + 0.5 * dot(v, v)
+    v = node(record.like, record.v, p)
+    return record.potential[p] + 0.5 * dot(v, v)
 
 
-def warm_the_gas(law, all, gain, p, of_gas, T):
+def warm_the_gas(law, record, gain, p, of_gas, T):
     """Let the gas have a temperature."""
-    one, U, at_E = all.facts[p], all.U, len(all.like) + 1
+    one, U, at_E = record.facts[p], record.U, len(record.like) + 1
     E = U[p, 0] * (law.internal_energy(U[p, 0], T) + of_gas)
-    came = np.where(one.mine == 1, all.V[p] * (E - U[p, at_E]), 0.0)
+    came = np.where(one.mine == 1, record.V[p] * (E - U[p, at_E]), 0.0)
     gain.energy[one.heats_gas] += came
     gain.heat[one.heats_gas] += np.where(one.warm_gas == 1, came, 0.0)
     U[p, at_E] = E
 
 
-def warm_the_solid(all, gain, p, of_solid, T):
+def warm_the_solid(record, gain, p, of_solid, T):
     """Let the solid have a temperature."""
-    one = all.facts[p]
+    one = record.facts[p]
     given = (one.given_solid == 1) | (one.warm_solid == 0)  # it comes with all unknowns
-    e = of_solid + all.capacity[p] * T
-    came = np.where(one.mine == 1, all.solid_mass[p] * (e - all.e[p]), 0.0)
+    e = of_solid + record.capacity[p] * T
+    came = np.where(one.mine == 1, record.solid_mass[p] * (e - record.e[p]), 0.0)
     gain.energy[one.heats_solid] += came
     gain.heat[one.heats_solid] += np.where(given, 0.0, came)
-    all.e[p] = e
+    record.e[p] = e
 
 
 def common_temperature(law, rho, M, capacity, heat, first):

@@ -29,33 +29,33 @@ import numpy as np
 from fsipetsc.equations.vectors import add, choose, dot, per, scale, sub
 from fsipetsc.kernels.arrays import node, part_of, put_part
 from fsipetsc.kernels.loops import each, otherwise, pick, variable, when
-from fsipetsc.particles import constraints as of
+from fsipetsc.particles import constraints
 from fsipetsc.particles.members import GAS, SOLID
 from fsipetsc.scheme.part import clear
 
 
-def weigh(all, y):
+def weigh(record, y):
     """Rows of this rank's members: H q of gas, (M_s D, M_s v, M_s e) of a solid; or their rates."""
-    rows, d = all.rows, len(all.like)
-    for _, r in own_members(all):
-        weight, own = all.weight[r], Unknowns(all, r, y)
-        for c in each(pick(all.kind[r] == GAS, d + 3, 2 * d + 1)):
+    rows, d = record.rows, len(record.like)
+    for _, r in own_members(record):
+        weight, own = record.weight[r], Unknowns(record, r, y)
+        for c in each(pick(record.kind[r] == GAS, d + 3, 2 * d + 1)):
             rows[r, c] = weight * own[c]
 
 
-def summed(all, p):
+def summed(record, p):
     """(V, M, P, E) of the gas and (M_s, M_s D, M_s v, M_s e) of the solid of particle p."""
-    rows, d = all.rows, len(all.like)
+    rows, d = record.rows, len(record.like)
     gas, solid = ([variable() for _ in range(n)] for n in (d + 3, 2 * d + 2))
-    for r in each(all.begin[p], all.begin[p + 1]):
-        with when(all.kind[r] == GAS):
+    for r in each(record.begin[p], record.begin[p + 1]):
+        with when(record.kind[r] == GAS):
             for c in range(d + 3):
                 gas[c].value += rows[r, c]
         with otherwise():
-            solid[0].value += all.weight[r]
+            solid[0].value += record.weight[r]
             for c in range(2 * d + 1):
                 solid[1 + c].value += rows[r, c]
-    (V, M, *P, E), (M_s, *Ds, E_s) = of.value_of(gas), of.value_of(solid)
+    (V, M, *P, E), (M_s, *Ds, E_s) = constraints.value_of(gas), constraints.value_of(solid)
     return (V, M, tuple(P), E), (M_s, tuple(Ds[:d]), tuple(Ds[d:]), E_s)
 
 
@@ -64,34 +64,34 @@ def kinetic(P, M):
     return np.where(M > 0.0, 0.5 * dot(P, P) / M, 0.0)
 
 
-def end_sums(all, gain):
+def end_sums(record, gain):
     """Find from the sums of all members one U, one displacement and velocity. Gas and solid that
     stick have one velocity, and the gas gets the kinetic energy that the solid loses by that.
     """
     clear(gain.numbers)
-    for p in each(all.facts.shape[0]):
-        one = all.facts[p]
-        of_gas, of_solid = summed(all, p)
-        (V, M, P, E), (M_s, D, P_s, E_s) = obeyed(all, p, one, of_gas, of_solid)
-        all.mass[p], all.V[p], all.solid_mass[p] = M, V, M_s
+    for p in each(record.facts.shape[0]):
+        one = record.facts[p]
+        of_gas, of_solid = summed(record, p)
+        (V, M, P, E), (M_s, D, P_s, E_s) = obeyed(record, p, one, of_gas, of_solid)
+        record.mass[p], record.V[p], record.solid_mass[p] = M, V, M_s
         with when(V > 0.0):
-            put_part(all.U, p, 0, (M / V, *per(P, V), E / V))
+            put_part(record.U, p, 0, (M / V, *per(P, V), E / V))
         with when(M_s > 0.0):
-            all.mean_energy[p], all.e[p] = of_solid[3] / M_s, E_s / M_s
-            put_part(all.v, p, 0, per(P_s, M_s))
-            put_part(all.D, p, 0, D)
+            record.mean_energy[p], record.e[p] = of_solid[3] / M_s, E_s / M_s
+            put_part(record.v, p, 0, per(P_s, M_s))
+            put_part(record.D, p, 0, D)
         held = (one.wall == 1) | (one.clamp == 1)
         with when((one.mine == 1) & (held | (one.given_gas == 1) | (one.given_solid == 1))):
             with when(V > 0.0):
                 gain.mass[one.column] += M - of_gas[1]
-            of.accumulate(gain.impulse, add(sub(P, of_gas[2]), sub(P_s, of_solid[2])))
+            constraints.accumulate(gain.impulse, add(sub(P, of_gas[2]), sub(P_s, of_solid[2])))
             gain.energy[one.moves_gas] += (E - of_gas[3]) + (E_s - of_solid[3])
 
 
-def obeyed(all, p, one, of_gas, of_solid):
+def obeyed(record, p, one, of_gas, of_solid):
     """The sums of particle p, as walls, clamps and data have them; D is the mean displacement."""
     (V, M, P, E), (M_s, D, P_s, E_s) = of_gas, of_solid
-    like, data, d, given = all.like, all.data, len(all.like), one.given_solid == 1
+    like, data, d, given = record.like, record.data, len(record.like), one.given_solid == 1
     moved = (one.clamp == 1) | given
     D = choose(M_s > 0.0, per(D, M_s), D)
     D = choose(one.placed == 1, node(like, data.clamp, p), D)
@@ -114,30 +114,30 @@ def obeyed(all, p, one, of_gas, of_solid):
 # normals, and what members store
 
 
-def gather(all, total):
+def gather(record, total):
     """Add up area vectors of members, or how they turn, and clear those of the members."""
     clear(total.reshape(-1))
-    for r in each(all.of_particle.shape[0]):
-        p = all.of_particle[r]
+    for r in each(record.of_particle.shape[0]):
+        p = record.of_particle[r]
         for c in each(total.shape[1]):
-            total[p, c] += all.of_normals[r, c]
-    clear(all.of_normals.reshape(-1))
+            total[p, c] += record.of_normals[r, c]
+    clear(record.of_normals.reshape(-1))
 
 
-def begin_stored(all, y):
+def begin_stored(record, y):
     """Solid members get the displacement of their particle, for which solids find energies."""
-    for p, r in own_members(all):
-        with when(all.kind[r] == SOLID):
-            own, D = Unknowns(all, r, y), node(all.like, all.D, p)
-            for c in range(len(all.like)):
+    for p, r in own_members(record):
+        with when(record.kind[r] == SOLID):
+            own, D = Unknowns(record, r, y), node(record.like, record.D, p)
+            for c in range(len(record.like)):
                 own[c] = D[c]
 
 
 class Unknowns:
     """The numbers in a world vector of the member of a row, of this rank."""
 
-    def __init__(self, all, r, y):
-        self._at, self._apart, self._y = all.at[r], all.apart[r], y
+    def __init__(self, record, r, y):
+        self._at, self._apart, self._y = record.at[r], record.apart[r], y
 
     def __getitem__(self, c):
         return self._y[self._at + c * self._apart]
@@ -146,31 +146,31 @@ class Unknowns:
         self._y[self._at + c * self._apart] = value
 
 
-def own_members(all):
+def own_members(record):
     """Particle and row of each member of this rank."""
-    for m in each(all.mine.shape[0]):
-        r = all.mine[m]
-        yield all.of_particle[r], r
+    for m in each(record.mine.shape[0]):
+        r = record.mine[m]
+        yield record.of_particle[r], r
 
 
 # constraints
 
 
-def impose_conditions(all, gain, y):
+def impose_conditions(record, gain, y):
     """What constraints and heat make of the sums, for the members of this rank; what came in is
     added to the auxiliary unknowns.
     """
-    if all.slips:
-        for p in each(all.facts.shape[0]):
-            with when(all.facts[p].count > 0):
-                of.slide(all, gain, p, all.facts[p])
-    for number, law in enumerate(all.laws):
-        of.share_heat(law, number, all, gain)
-    of.warm_solids(all, gain)
-    give_state(all, y)
+    if record.slips:
+        for p in each(record.facts.shape[0]):
+            with when(record.facts[p].count > 0):
+                constraints.slide(record, gain, p, record.facts[p])
+    for number, law in enumerate(record.laws):
+        constraints.share_heat(law, number, record, gain)
+    constraints.warm_solids(record, gain)
+    give_state(record, y)
     sum_up(gain)
-    for c in each(all.auxiliary):
-        y[y.size - all.auxiliary + c] += gain.numbers[c]
+    for c in each(record.auxiliary):
+        y[y.size - record.auxiliary + c] += gain.numbers[c]
 
 
 def sum_up(gain):
@@ -180,50 +180,50 @@ def sum_up(gain):
         gain.total[0] += gain.energy[c]
 
 
-def give_state(all, y):
+def give_state(record, y):
     """Members of this rank get what their particle has; each keeps its own J."""
-    like, d = all.like, len(all.like)
-    for p, r in own_members(all):
-        own = Unknowns(all, r, y)
-        with when(all.kind[r] == GAS):
+    like, d = record.like, len(record.like)
+    for p, r in own_members(record):
+        own = Unknowns(record, r, y)
+        with when(record.kind[r] == GAS):
             J = own[0]
             for c in range(d + 2):
-                own[1 + c] = J * all.U[p, c]
+                own[1 + c] = J * record.U[p, c]
         with otherwise():
-            D, v, e = node(like, all.D, p), node(like, all.v, p), all.e[p]
-            kinetic, change = 0.5 * dot(v, v), e - all.mean_energy[p]
-            heat = (e - kinetic - all.potential[p]) * all.alpha[r] / all.capacity[p]
-            shared = kinetic + all.stored[r, 0] + heat
+            D, v, e = node(like, record.D, p), node(like, record.v, p), record.e[p]
+            kinetic, change = 0.5 * dot(v, v), e - record.mean_energy[p]
+            heat = (e - kinetic - record.potential[p]) * record.alpha[r] / record.capacity[p]
+            shared = kinetic + record.stored[r, 0] + heat
             alone = own[2 * d] + change
             for c in range(d):
                 own[c], own[d + c] = D[c], v[c]
-            own[2 * d] = np.where(all.facts[p].one_T == 1, shared, alone)
+            own[2 * d] = np.where(record.facts[p].one_T == 1, shared, alone)
 
 
-def end_rates(all, gain, y, f):
+def end_rates(record, gain, y, f):
     """Rates of members from the sums of their rates, under the constraints of their particles."""
-    for p in each(all.facts.shape[0]):
-        of.accelerate(all, gain, p, all.facts[p], *summed(all, p))
-    give_rates(all, gain, y, f)
+    for p in each(record.facts.shape[0]):
+        constraints.accelerate(record, gain, p, record.facts[p], *summed(record, p))
+    give_rates(record, gain, y, f)
     sum_up(gain)
-    for c in each(all.auxiliary):
-        f[f.size - all.auxiliary + c] = gain.numbers[c]
+    for c in each(record.auxiliary):
+        f[f.size - record.auxiliary + c] = gain.numbers[c]
 
 
-def give_rates(all, gain, y, f):
+def give_rates(record, gain, y, f):
     """(J U)_t = J U_t + U J_t of gas members; accelerations of solid ones, and their power."""
-    like, d = all.like, len(all.like)
-    for p, r in own_members(all):
-        rates = Unknowns(all, r, f)
-        with when(all.kind[r] == GAS):
-            J, J_t = Unknowns(all, r, y)[0], rates[0]
+    like, d = record.like, len(record.like)
+    for p, r in own_members(record):
+        rates = Unknowns(record, r, f)
+        with when(record.kind[r] == GAS):
+            J, J_t = Unknowns(record, r, y)[0], rates[0]
             for c in range(d + 2):
-                rates[1 + c] = J * all.U_t[p, c] + all.U[p, c] * J_t
+                rates[1 + c] = J * record.U_t[p, c] + record.U[p, c] * J_t
         with otherwise():
-            push = sub(node(like, all.acceleration, p), tuple(rates[d + c] for c in range(d)))
-            power = dot(push, node(like, all.v, p))
+            push = sub(node(like, record.acceleration, p), tuple(rates[d + c] for c in range(d)))
+            power = dot(push, node(like, record.v, p))
             for c in range(d):
                 rates[d + c] += push[c]
             rates[2 * d] += power
-            with when(all.inertia[r] > 0.0):
-                gain.lost[0] += all.inertia[r] * power
+            with when(record.inertia[r] > 0.0):
+                gain.lost[0] += record.inertia[r] * power

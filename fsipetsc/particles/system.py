@@ -17,7 +17,7 @@ from fsipetsc.blocks.block_problem import Meeting
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.parallel.block_layout import PARTICLES_TAG, BlockLayout
 from fsipetsc.parallel.exchange import RowExchange
-from fsipetsc.particles import procedures as of
+from fsipetsc.particles import procedures
 from fsipetsc.particles.constraints import weigh_heat
 from fsipetsc.particles.members import GAS, ROLLS, SOLID, Particle
 from fsipetsc.particles.prescribed import Prescribed
@@ -103,11 +103,12 @@ class ParticleSystem:
         loaded, and before anything else, ``does["weigh_heat"]()`` is to be called.
         """
         code, record = Code(), self.record
-        takes = {f.__name__: (f, record) for f in (of.weigh, of.begin_stored, weigh_heat)}
-        taking_gain = of.end_sums, of.impose_conditions, of.end_rates
+        taking_none = procedures.weigh, procedures.begin_stored, weigh_heat
+        takes = {f.__name__: (f, record) for f in taking_none}
+        taking_gain = procedures.end_sums, procedures.impose_conditions, procedures.end_rates
         takes |= {f.__name__: (f, record, gain) for f in taking_gain}
         for name, total in (("end_normals", record.normals), ("end_turning", record.turning)):
-            takes[name] = of.gather, record, total
+            takes[name] = procedures.gather, record, total
         self.does = {name: code.procedure(name, *given) for name, given in takes.items()}
         return code
 
@@ -126,11 +127,11 @@ class ParticleSystem:
         place of the first unknown in the world vector and how far the others are apart, H of gas or
         M_s of a solid, and M_s where work is booked. Others tell their weights in `begin`.
         """
-        blocks, of = self._layout.problem.blocks, self._members[:, 0]
+        blocks, ks = self._layout.problem.blocks, self._members[:, 0]
         kinds = np.array([SOLID if block.kind == "solid" else GAS for block in blocks])
         alphas = np.array([getattr(block.material, "alpha", 0.0) for block in blocks], float)
-        at, apart = np.zeros((2, len(of)), np.int64)
-        weight, inertias = np.zeros((2, len(of)))
+        at, apart = np.zeros((2, len(ks)), np.int64)
+        weight, inertias = np.zeros((2, len(ks)))
         for k, part in self._layout.parts.items():
             rows, numbers, _ = self.own(k)
             own = part.rows(numbers)
@@ -138,7 +139,7 @@ class ParticleSystem:
             weight[rows] = part.weights(nodes) * (inertia[k][nodes] if k in inertia else 1.0)
             at[rows], apart[rows] = part.begin + own, part.numbers.size
             inertias[rows] = weight[rows] * self._layout.problem.loses(k)
-        found = {"kind": kinds[of], "alpha": alphas[of], "weight": weight, "inertia": inertias}
+        found = {"kind": kinds[ks], "alpha": alphas[ks], "weight": weight, "inertia": inertias}
         return {**found, "at": at, "apart": apart}
 
     def _of_particles(self, mine: Array, most: int) -> dict[str, Array]:
