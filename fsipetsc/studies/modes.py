@@ -15,7 +15,7 @@ from fsipetsc.process.together import Comm, together
 from fsipetsc.studies.tables import Study
 from fsipetsc.studies.trials import reference
 
-_NEXT = "real angular frequency next to which modes are, but of ring and shell; at rest it is 0"
+_NEXT = "real angular frequency to be near (of modes at rest it is 0), but of ring and shell"
 OPTIONS = (
     Option("ring_angular", int, 2, "", "waves around a ring", check="nonnegative"),
     Option("modes_count", int, 10, "", "how many modes, slowest first", check="positive"),
