@@ -15,24 +15,13 @@ order="F")[:, n]``.
                                                  heat is "elastic")
 
 States and rates are dicts of arrays by the block's name. Gases on two sides of a solid's vertex
-that do not touch each other are not covered.
-"""
+that do not touch each other are not covered."""
 
 from types import SimpleNamespace
 
 import numpy as np
-from oracle_formulas import (
-    TINY,
-    Clamped,
-    Free,
-    NoSlip,
-    Open,
-    Outflow,
-    conserved,
-    flux,
-    gas_state,
-    gauss,
-)
+import oracle_formulas as formulas
+from oracle_formulas import TINY, conserved, flux, gas_state, gauss
 from oracle_particles import Particles
 
 
@@ -55,8 +44,7 @@ class Oracle(Particles):
 
     def _sums(self, p, q, terms=None):
         """Of the members of a particle. gas: Q (sums of W q), R (of rates); solid: mass, momentum,
-        mass times displacement, force, energy or its rate, and what of that is stored.
-        """
+        mass times displacement, force, energy or its rate, and what of that is stored."""
         s = SimpleNamespace(**dict.fromkeys("QRMPD", 0.0), force=0.0, energy=0.0, stored=0.0)
         for k, node in p.gas:
             i = (slice(None), *node)
@@ -90,8 +78,7 @@ class Oracle(Particles):
 
     def _temperatures(self, p, s, heat, t, level):
         """Heat over capacity of gas and solid, of both if heat is conducted, or what is given;
-        or (level 1) their rates. And the capacities.
-        """
+        or (level 1) their rates. And the capacities."""
         m, n = self._materials(p)
         C = np.array([s.Q[1] * m.cv if m else 0.0, s.M * n.alpha if n else 0.0])
         T = np.full(2, heat.sum() / C.sum()) if self.conducts(p) else heat / np.where(C, C, 1.0)
@@ -139,9 +126,7 @@ class Oracle(Particles):
             out[self.names[k]][i] = np.array([J_t, *(J * U_t + U * J_t)])
 
     def _solid_members(self, p, s, v, T_t, capacity, t, terms, out):
-        """One v_t and T_t; of the energy each keeps what it stores in W, and if they are apart its
-        own heat.
-        """
+        """One v_t and T_t; each keeps the energy that it stores in W, if apart its own heat too."""
         a, given = s.force / s.M, self.given(p, "solid")
         alpha = capacity / s.M
         if given:
@@ -168,11 +153,11 @@ class Oracle(Particles):
                 continue
             n = self.normal(f, grid.a)
             area, g = np.sqrt(n @ n), n @ grid.v[(slice(None), *f.node)]
-            if isinstance(c, NoSlip) and c.heat_flux:
+            if isinstance(c, formulas.NoSlip) and c.heat_flux:
                 s.R[-1] += c.heat_flux * area
-            if isinstance(c, Open):
+            if isinstance(c, formulas.Open):
                 s.R[1:] -= flux(self._by_characteristics(c, m, here, n, g), n, g)
-            elif isinstance(c, Outflow):
+            elif isinstance(c, formulas.Outflow):
                 outside = self._beyond(c, m, here, (n @ here.u - g) / area)
                 o = gas_state(m, np.array([1.0, *outside]))
                 waves = ((n @ w.u - g, np.sqrt(m.gamma * m.R * w.T)) for w in (here, o))
@@ -184,8 +169,7 @@ class Oracle(Particles):
     def _by_characteristics(c, m, here, n, g):
         """The gas at an open face: p + Z u_n of the inside, p - Z u_n of the outside, Z of the
         inside at the mean pressure, entropy and velocity along the face of the side that the gas
-        comes from; faster than sound, all of it.
-        """
+        comes from; faster than sound, all of it."""
         area = np.sqrt(n @ n)
         n = n / area
 
@@ -219,7 +203,7 @@ class Oracle(Particles):
         for f in p.outer:
             if self.kind(f) != "solid":
                 continue
-            if isinstance(f.condition, Free):
+            if isinstance(f.condition, formulas.Free):
                 push = (p_ref - f.condition.pressure) * self.normal(f, grids[f.block].a)
                 s.force, s.energy = s.force + push, s.energy + push @ v
             if flow := getattr(f.condition, "heat_flux", None):
@@ -253,7 +237,7 @@ class Oracle(Particles):
         z, inverse = self._motion_of(p, s, s.Q[2:-1] if p.gas else 0.0, s.P)
         z = gauss(self.rows(p, grids, t, 1, z[:d], z[d:]), z, inverse)[0]
         u, v = z[:d], z[d:]
-        clamped = any(isinstance(f.condition, Clamped) for f in p.outer)
+        clamped = any(isinstance(f.condition, formulas.Clamped) for f in p.outer)
         if p.gas and p.solid and not clamped:  # what the solid loses goes to the gas
             change = 0.5 * (s.M * v @ v - s.P @ s.P / s.M)
             s.energy, s.Q[-1] = s.energy + change, s.Q[-1] - change

@@ -8,12 +8,10 @@ from block_ledgers import complete, rates
 from mpi4py import MPI
 from oracle_formulas import rate_of, spread
 
+from fsipetsc import Block, BlockProblem, Fluid
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blocks import conditions
-from fsipetsc.blocks.block import Block
-from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.maps import nodes
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.own import transport_law
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.solid_pressure import gruneisen

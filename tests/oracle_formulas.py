@@ -2,8 +2,7 @@
 point, SBP matrices.
 
 Fields are numpy arrays with their components in front. Nothing here is shared with the engine but
-the exact SBP coefficients.
-"""
+the exact SBP coefficients."""
 
 from collections import namedtuple
 from collections.abc import Callable

@@ -7,8 +7,7 @@ weight r^kappa, so that sums are over a sector of unit angle or unit solid angle
 a^k = (b^k_1, r^kappa b^k_2), b^k the metrics of (z, s), s = r^(kappa + 1)/(kappa + 1).
 
 A block that goes from -r to r, with an even number of nodes and mirrored states, is the scheme with
-a centre: none of its nodes is there, and the weight is |r|^kappa.
-"""
+a centre: none of its nodes is there, and the weight is |r|^kappa."""
 
 from collections import namedtuple
 from itertools import product

@@ -11,8 +11,6 @@ from oracle_volume import Volume
 #: two faces are walls of their own where one goes into the other's gas by more than 30 degrees
 CONCAVE = -0.5
 STEP = 1e-5  # of differences of a wall's velocity in time
-
-
 #: one face at one node, with its condition (None where it meets another face)
 Face = namedtuple("Face", "block axis side node condition")
 

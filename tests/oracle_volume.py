@@ -8,30 +8,15 @@ Around an axis or a centre (oracle_grid.py) hoops give and take:
     solid  force along r -= kappa (J0 R^kappa / R) P_hoop, with the hoop stretch lambda = r / R
 
 A constant force on a gas acts node by node, as in the divergence form. That of the entropy form is
-made pair by pair: test_gravity.py has what it keeps.
-"""
+made pair by pair: test_gravity.py has what it keeps."""
 
 from functools import partial
 from itertools import product
 from math import comb
 
 import numpy as np
-from oracle_formulas import (
-    State,
-    along,
-    cofactor,
-    conserved,
-    det,
-    dot,
-    elastic_energy,
-    entropy_of,
-    flux,
-    gas_state,
-    pair_flux,
-    spread,
-    stress_of,
-    three,
-)
+import oracle_formulas as formulas
+from oracle_formulas import State, along, conserved, det, dot, entropy_of, flux, gas_state, spread
 from oracle_grid import Grids
 
 
@@ -92,7 +77,7 @@ class Volume(Grids):
     def _pair(self, k, left, right, a_l, a_r, g):
         """The flux of two nodes, in the form of the problem."""
         if self.problem.form == "entropy":
-            return pair_flux(self.blocks[k].material, left, right, 0.5 * (a_l + a_r), g)
+            return formulas.pair_flux(self.blocks[k].material, left, right, 0.5 * (a_l + a_r), g)
         return 0.5 * (flux(left, a_l, g) + flux(right, a_r, g))
 
     def _viscous(self, k, J, s, grid):
@@ -162,7 +147,7 @@ class Volume(Grids):
     def deformation(self, k, x):
         """F (3, 3, ...), (1/J0) sum D_axis x (x) A^axis and the hoop stretches."""
         (A, J0), d = self.solids[k], self.d
-        F = three(np.einsum("jm...,jn...->mn...", self.slopes(k, x), A) / J0)
+        F = formulas.three(np.einsum("jm...,jn...->mn...", self.slopes(k, x), A) / J0)
         for i in range(d, d + self.kappa):
             F[i, i] = x[-1] / self.blocks[k].X[-1]
         return F
@@ -170,9 +155,10 @@ class Volume(Grids):
     def elastic(self, k, F):
         """W of F; without p_ref in three dimensions, where it is a force on faces."""
         b, d = self.blocks[k], self.d
-        W = elastic_energy(b.material, F, b.material.p_ref if d < 3 else 0.0)
+        W = formulas.elastic_energy(b.material, F, b.material.p_ref if d < 3 else 0.0)
         if b.prestress is not None:
-            S, one = np.reshape(b.prestress(b.X), (d, d, *b.X.shape[1:])), three(0.0 * F[:0, :0])
+            S = np.reshape(b.prestress(b.X), (d, d, *b.X.shape[1:]))
+            one = formulas.three(0.0 * F[:0, :0])
             W = W + (S * (F - one)[:d, :d]).sum(axis=(0, 1))
         return W
 
@@ -189,8 +175,9 @@ class Volume(Grids):
         m, v, M = b.material, q[d:-1], self.W[k] * J0 * b.material.m0
         T = (q[-1] - 0.5 * dot(v, v) - self.stored(k, q)) / m.alpha
         F = self.deformation(k, grid.x)
-        J, cof = det(F), cofactor(F)
-        P = stress_of(partial(self.elastic, k), F) - m.gruneisen * m.m0 * m.alpha * T / J * cof
+        J, cof = det(F), formulas.cofactor(F)
+        P = formulas.stress_of(partial(self.elastic, k), F)
+        P = P - m.gruneisen * m.m0 * m.alpha * T / J * cof
         gradient = sum(A[j] * self.derivative(k, T, j) for j in range(d)) / J0
         cof = cof[:d, :d]
         conducted = m.kappa / J * np.einsum("ki...,kj...,j...->i...", cof, cof, gradient)

@@ -1,31 +1,16 @@
 """Completion and rates at random states are the oracle's (block_oracle.py), and keep sums.
 
-Where members have one temperature, only the sum of their energies' rates counts.
-"""
+Where members have one temperature, only the sum of their energies' rates counts."""
 
 from itertools import product
 
 import block_shapes as shapes
 import numpy as np
+import oracle_formulas as formulas
 import pytest
 from block_oracle import Oracle
 from oracle_engine import Engine
-from oracle_formulas import (
-    TINY,
-    Block,
-    Clamped,
-    Free,
-    Gas,
-    Given,
-    NoSlip,
-    Open,
-    Outflow,
-    Problem,
-    Roller,
-    Slip,
-    Solid,
-    conserved,
-)
+from oracle_formulas import Clamped, Free, Gas, Given, NoSlip, Open, Roller, Slip, Solid
 from recorded import recorded
 
 from fsipetsc.particles.constraints import eliminate
@@ -53,21 +38,22 @@ def closed(owner):
     return Clamped() if owner[0].startswith("solid") else Slip()
 
 
-def made(shape, gas, solid, order, faces=closed, stress=None, **options):
+def made(shape, gas, solid, order, faces=closed, stress=None, kappa=0, **options):
     """The oracle of a shape, without blocks of what is None; stress: prestress of solids."""
     blocks, gases = [], gas if isinstance(gas, dict) else dict.fromkeys(shape, gas)
     for name, of in shape.items():
         if name.startswith("gas") and gas:
-            blocks.append(Block(name, gases[name], *of))
+            blocks.append(formulas.Block(name, gases[name], *of))
         elif name.startswith("solid") and solid:
-            blocks.append(Block(name, solid, *of, stress))
-    return Oracle(Problem(tuple(blocks), faces, order, **options))
+            blocks.append(formulas.Block(name, solid, *of, stress))
+    return Oracle(formulas.Problem(tuple(blocks), faces, order, **options), kappa)
 
 
 def derivatives(oracle, q, rates, t=0.0):
     """Of the integrals, by a step into the complex plane; size: of the parts of the energy's."""
-    stepped = {name: q[name] + 1j * TINY * rates[name] for name in q}
-    found = {key: np.imag(value) / TINY for key, value in oracle.integrals(stepped, t).items()}
+    stepped = {name: q[name] + 1j * formulas.TINY * rates[name] for name in q}
+    values = oracle.integrals(stepped, t).items()
+    found = {key: np.imag(value) / formulas.TINY for key, value in values}
     weights = dict(zip(oracle.names, oracle.W))
     size = sum(np.abs(weights[name] * r[-1]).sum() for name, r in rates.items())
     return found, size
@@ -215,14 +201,10 @@ def test_tiles(shape, both, damping, monkeypatch):
     np.testing.assert_equal(found, whole)
 
 
-def wobbling(size, phase):
+def wobbling(X, t):
     """A wall that goes to and fro in its plane and across it, with the period 1."""
-
-    def place(X, t):
-        angle = 2 * np.pi * t + phase + 3 * X[0]
-        return X + size * np.array([np.sin(angle), np.cos(angle)])
-
-    return place
+    angle = 2 * np.pi * t + 0.2 + 3 * X[0]
+    return X + 0.03 * np.array([np.sin(angle), np.cos(angle)])
 
 
 def bent(X, t):
@@ -238,12 +220,11 @@ def solid_values(X, t):
     return 0.05 * np.cos(t), 0.1 + 0 * t, 1 + 0.1 * t, X[0] + 0.05 * np.sin(t), X[1] + 0.1 * t
 
 
-MOVED = wobbling(0.03, 0.2)
 #: conditions of a gas that a solid lies on, by face or for the other faces of a block
 FACES = {
     "open": {
         ("gas", 0, 0): Open(0.9, (0.5, -0.2), 1.1),
-        ("gas", 0, 1): Outflow(0.8),
+        ("gas", 0, 1): formulas.Outflow(0.8),
         "gas": Slip(),
         ("solid", 1, 1): Free(0.7),
         ("solid", 0, 1): Roller(),
@@ -256,11 +237,11 @@ FACES = {
         "solid": Free(0.7),
     },
     "moving": {
-        ("gas", 1, 0): NoSlip(T=lambda X, t: 1.1 + 0.1 * np.sin(t + X[0]), motion=MOVED),
-        ("gas", 0, 0): Slip(motion=MOVED),
-        ("gas", 0, 1): NoSlip(heat_flux=0.2, motion=MOVED),
+        ("gas", 1, 0): NoSlip(T=lambda X, t: 1.1 + 0.1 * np.sin(t + X[0]), motion=wobbling),
+        ("gas", 0, 0): Slip(motion=wobbling),
+        ("gas", 0, 1): NoSlip(heat_flux=0.2, motion=wobbling),
         ("solid", 1, 1): Free(0.2, T=1.2),
-        "solid": Clamped(MOVED, heat_flux=0.3),
+        "solid": Clamped(wobbling, heat_flux=0.3),
     },
     "bending": {("gas", 0, 0): Slip(), "gas": Slip(motion=bent), "solid": Free(0.3)},
     "rolling": {
@@ -306,7 +287,8 @@ def test_a_temperature_that_is_given_is_that_of_all_solids_there():
 
 @pytest.mark.parametrize("form", ["entropy", "divergence"])
 def test_a_stiffened_gas(form):
-    ends, gas = {0: Open(0.9, (0.5,), 1.1), 1: Outflow(0.5)}, Gas(1.6, 0.8, 0.02, 0.03, 0.4)
+    gas = Gas(1.6, 0.8, 0.02, 0.03, 0.4)
+    ends = {0: Open(0.9, (0.5,), 1.1), 1: formulas.Outflow(0.5)}
     damping = DAMPED if form == "divergence" else {}
     check("line", (gas, STICKING[1]), 4, lambda owner: ends[owner[2]], form=form, **damping)
 
@@ -328,10 +310,10 @@ def test_a_uniform_flow_stays(shape, order):
     """On turned, joined, moving grids, with random volumes, viscosity and dissipation."""
     flow, X = (1.2, 0.7, -0.3, 0.9), SHAPES[shape](NODES[order])
     gas, rng = Gas(mu=0.02, kappa=0.03), np.random.default_rng(order)
-    around = Given(lambda X, t: [c + 0.0 * X[0] for c in flow], MOVED)
+    around = Given(lambda X, t: [c + 0.0 * X[0] for c in flow], wobbling)
     blocks = {f"gas {name}": value for name, value in X.items()}
     oracle = made(blocks, gas, None, order, lambda owner: around, dissipation=0.3)
-    engine, U = Engine(oracle), conserved(gas, flow[0], np.array(flow[1:3]), flow[3])
+    engine, U = Engine(oracle), formulas.conserved(gas, flow[0], np.array(flow[1:3]), flow[3])
     U, q = np.array([1.0, *U])[:, None, None], {}
     for k, name in enumerate(oracle.names):
         q[name] = U * oracle.start(k) * rng.uniform(0.9, 1.1, oracle.W[k].shape)

@@ -8,7 +8,7 @@ import pytest
 import test_block_oracle as flat
 from block_oracle import Oracle
 from oracle_engine import Engine
-from oracle_formulas import Block, Problem
+from oracle_formulas import Problem
 
 #: dimension, number of coordinates around: a sphere, and (z, r)
 SPHERE, PLANE = (1, 2), (2, 1)
@@ -35,16 +35,6 @@ def shell(d, n, centre):
     return {"gas inside": inside, **outer, **mirrored}
 
 
-def radial(shape, gas, solid, order, kappa, **options):
-    """The oracle of a shape, closed; the law of the solid is that of the cases of shells."""
-    solid = solid and solid._replace(law="neo-hookean")
-    blocks = [
-        Block(name, gas if name.startswith("gas") else solid, X, periods)
-        for name, (X, periods) in shape.items()
-    ]
-    return Oracle(Problem(tuple(blocks), flat.closed, order, **options), kappa)
-
-
 def mirrored(oracle, q):
     """q with the states of r > 0 at -r: densities and energies are even, velocities are odd."""
     inside = oracle.names[0]
@@ -65,7 +55,7 @@ class Centre(NamedTuple):
     """The oracle does not know it: there a block goes on to -r."""
 
 
-def engine_of(oracle, kappa, centre, faces=flat.closed):
+def engine_of(oracle, kappa, centre):
     """The engine with the blocks of r > 0 of an oracle."""
     blocks = [b for b in oracle.blocks if "mirrored" not in b.name]
     if centre:
@@ -74,7 +64,7 @@ def engine_of(oracle, kappa, centre, faces=flat.closed):
 
     def condition(owner):
         to_axis = owner == (blocks[0].name, oracle.d - 1, 0) and centre
-        return Centre() if to_axis else faces(owner)
+        return Centre() if to_axis else flat.closed(owner)
 
     p = oracle.problem
     return Engine(Oracle(Problem(tuple(blocks), condition, *p[2:]), kappa), symmetry=kappa)
@@ -118,7 +108,9 @@ RADIAL = [
 )
 def test_rates_are_the_oracles(centre, d, kappa, order, both, options):
     """At random states on grids that move; sums stay. Solids go to a centre."""
-    oracle = radial(shell(d, flat.NODES[order], centre), *both, order, kappa, **options)
+    gas, solid = both[0], both[1]._replace(law="neo-hookean")  # as in the cases of shells
+    shape = shell(d, flat.NODES[order], centre)
+    oracle = flat.made(shape, gas, solid, order, kappa=kappa, **options)
     q = oracle.random_state(np.random.default_rng(order))
     q = oracle.complete(mirrored(oracle, q) if centre else q)
     expected = flat.with_sums(oracle, oracle.rates(q))
