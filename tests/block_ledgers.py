@@ -3,14 +3,14 @@
 import numpy as np
 from mpi4py import MPI
 
+from fsipetsc import Block, BlockProblem, Fluid
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blockrun.saved import gained, slices
-from fsipetsc.blocks.block import Block
-from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Roller, Slip
-from fsipetsc.blocks.maps import nodes
-from fsipetsc.materials.fluid import Fluid
+from fsipetsc.blocks.maps import nodes, rectangle
 from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.particles.members import particles_of
+from fsipetsc.particles.prescribed import Prescribed
 
 #: cells along an axis
 N = 7
@@ -21,8 +21,7 @@ CLOSED = {"gas": Slip(), "solid": Roller()}
 class Steps(BlockState):
     """A problem in time by RK4, on one rank. came: what has come in, as columns of ``gained``.
 
-    apart: each stage is a call of its own, as where data depend on time.
-    """
+    apart: each stage is a call of its own, as where data depend on time."""
 
     def __init__(self, problem, order=2, form=BlockForm(), apart=False):  # noqa: B008
         super().__init__(MPI.COMM_SELF, problem, order, form)
@@ -75,6 +74,18 @@ def rates(state, t, y, f):
     """f = dy/dt of a completed vector."""
     state.set_data(t)
     state.right_hand_side(y.array, f)
+
+
+def check_motion(problem, step):
+    """Velocities that are given are those of places, and fit where faces meet, at t = 1."""
+    particles = particles_of(problem)
+    Prescribed(problem, particles, np.arange(len(particles)), lambda: step).check_motion(1.0)
+
+
+def slab(material, initial, ends, cells):
+    """[0, 1] in one dimension."""
+    block = Block("slab", material, rectangle(0.0, 1.0), (cells,), initial)
+    return BlockProblem((block,), {("slab", 0, side): ends[side] for side in (0, 1)})
 
 
 def gas(d=2, mu=0.0, force=0.0):

@@ -2,11 +2,10 @@
 
 import pytest
 
+from fsipetsc import Fluid, InputError
 from fsipetsc.blocks import conditions as new
 from fsipetsc.blocks.block_problem import Meeting
 from fsipetsc.blocks.layers import Layer, layers
-from fsipetsc.errors import InputError
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 
 GAS, SOLID = Fluid(0.1, 0.1, 1.4, 1.0), ElasticSolid(1.0, 1.0, 0.1, 1.0, 1.0)
@@ -20,6 +19,11 @@ def solid(across, **more):
     return Layer("solid", SOLID, across, lambda *X: (*[0.0] * len(X), 1.0, *X), **more)
 
 
+def fit(*stack, **more):
+    given = {"lower": new.NoSlip(), "upper": new.Free(), "along": ((0.0, 1.0),), "h": 0.125}
+    return layers(*stack, **given | more)
+
+
 def seen(found, k):
     """Of block k: face -> what stands there, (name of the block, axis, side) where it meets one."""
     names = [block.name for block in found.blocks]
@@ -31,14 +35,9 @@ def seen(found, k):
 
 def test_a_panel_in_a_wall():
     sides = {(0, 0): new.Slip(), (0, 1): new.Outflow(1.0)}
-    found = layers(
-        solid((-0.1, 0.0), cells=8, span=[(0.0, 1.0)], sides=new.Clamped()),
-        gas((0.0, 0.5), sides=sides, beside=new.Slip()),
-        along=((-0.5, 1.5),),
-        h=0.125,
-        lower=new.Free(1.0),
-        upper=new.NoSlip(),
-    )
+    panel = solid((-0.1, 0.0), cells=8, span=[(0.0, 1.0)], sides=new.Clamped())
+    flow = gas((0.0, 0.5), sides=sides, beside=new.Slip())
+    found = fit(panel, flow, along=((-0.5, 1.5),), lower=new.Free(1.0), upper=new.NoSlip())
     assert [block.name for block in found.blocks] == ["solid", "gas 1", "gas 2", "gas 3"]
     assert [block.cells for block in found.blocks] == [(8, 8), (4, 4), (8, 4), (4, 4)]
     places = (0, 0), (0, 1), (1, 0), (1, 1)
@@ -49,11 +48,6 @@ def test_a_panel_in_a_wall():
         (("gas 2", 0, 1), new.Outflow(1.0), new.Slip(), new.NoSlip()),
     )
     assert [seen(found, k) for k in range(4)] == [dict(zip(places, faces)) for faces in wanted]
-
-
-def fit(*stack, **more):
-    given = {"lower": new.NoSlip(), "upper": new.Free(), "along": ((0.0, 1.0),), "h": 0.125}
-    return layers(*stack, **given | more)
 
 
 LOW = gas((0.0, 0.5))

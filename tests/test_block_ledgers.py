@@ -5,18 +5,8 @@ import numpy as np
 import pytest
 from block_ledgers import CLOSED, N, Steps, bent, gas, moved, problem_of, solid
 
-from fsipetsc.blocks.conditions import (
-    Absorbing,
-    Clamped,
-    Free,
-    Given,
-    Hinge,
-    NoSlip,
-    Open,
-    Outflow,
-    Roller,
-    Slip,
-)
+from fsipetsc.blocks import conditions
+from fsipetsc.blocks.conditions import Clamped, Free, Given, NoSlip, Open, Roller, Slip
 
 MASS, X, Y, ENERGY = range(4)
 #: heat of the solid, viscosity of the gas
@@ -39,7 +29,7 @@ def check(problem, *entries, least=1e-7):
 
 
 def test_an_open_tube():
-    ends = {("gas", 0, 0): Open(0.9, (0.5, -0.2), 1.1), ("gas", 0, 1): Outflow(0.8)}
+    ends = {("gas", 0, 0): Open(0.9, (0.5, -0.2), 1.1), ("gas", 0, 1): conditions.Outflow(0.8)}
     shape = {"gas": shapes.box((0, 0), (1, 1), N + 1, N + 1)}
     check(problem_of(shapes.warped(shape), CLOSED | ends, gas(), None), MASS, X, Y, ENERGY)
 
@@ -56,7 +46,7 @@ CONDITIONS = {
     "slip walls that move": (Slip(x=moved), Roller(heat_flux=0.2), "no all", (X, Y, ENERGY)),
     "free, heated": (NoSlip(), Free(0.4, heat_flux=0.2), "- some", (X, Y, ENERGY)),
     "free, warm": (NoSlip(), Free(0.4, T=1.2), "- some", (X, Y, ENERGY)),
-    "absorbing": (Slip(), Absorbing(-0.2, heat_flux=0.1), "- some", (X, Y, ENERGY)),
+    "absorbing": (Slip(), conditions.Absorbing(-0.2, heat_flux=0.1), "- some", (X, Y, ENERGY)),
     "given": (GAS_GIVEN, SOLID_GIVEN, "no no", (MASS, X, Y, ENERGY)),
     "sides move": (GAS_GIVEN, RISING_CLAMP, "no no", (MASS, Y, ENERGY)),
     "sides are given": (GAS_GIVEN, RISING_GIVEN, "no no", (MASS, Y, ENERGY)),
@@ -100,12 +90,11 @@ def test_forces_in_the_volume(heat="coupled"):
         "jumps": lambda X, Y, t: (0.3 + X, 0.2 * X, 0.1 + t + 0.0 * X),
     }
     faces = {"gas": Slip(), "solid": Free()}
-    shape, points = shapes.layers(N + 1, False), (("solid", (4.0 / N, 1.6), Hinge()),)
+    shape, points = shapes.layers(N + 1, False), (("solid", (4.0 / N, 1.6), conditions.Hinge()),)
     materials = gas(force=0.3), solid(heat=heat, force=-0.2)
     came, found = check(problem_of(shape, faces, *materials, **options), MASS, X, Y, ENERGY)
-    assert {face for face, (energy, _) in found.items() if abs(energy) > 1e-12} == {
-        "through no face"
-    }
+    came_in = [face for face, (energy, _) in found.items() if abs(energy) > 1e-12]
+    assert came_in == ["through no face"]
     hinged, _ = check(problem_of(shape, faces, *materials, points, **options))
     assert abs(hinged[Y] - came[Y]) > 1e-6
 
@@ -114,7 +103,7 @@ def test_one_dimension(mu=0.02):
     ends = {"solid": (0.0, 0.4), "gas": (0.4, 1.0), "solid beyond": (1.0, 1.4)}
     shape = {name: shapes.box((a,), (b,), 9) for name, (a, b) in ends.items()}
     blown = Clamped(velocity=lambda X, t: (0.3 * np.sin(2.0 * t) + 0.2 + 0.0 * X,))
-    faces = {("solid", 0, 0): blown, ("solid beyond", 0, 1): Absorbing(-0.3)}
+    faces = {("solid", 0, 0): blown, ("solid beyond", 0, 1): conditions.Absorbing(-0.3)}
     check(problem_of(shape, faces, gas(1, mu, 0.2), solid(1, force=0.3)), X, 2)
 
 
@@ -138,11 +127,8 @@ ALL_KINDS = {
     "solid": Clamped(velocity=speed),
 }
 #: a solid that slides on rollers beside walls, with a gas that sticks to it
-SLIDING = {
-    ("gas", 1): Open(0.9, (0.5, -0.2), 1.1),
-    "gas": NoSlip(slip_length=1.0),
-    "solid": Roller(),
-}
+SLIDING = {"gas": NoSlip(slip_length=1.0), "solid": Roller()}
+SLIDING |= {("gas", 1): Open(0.9, (0.5, -0.2), 1.1)}
 
 
 @pytest.mark.parametrize(

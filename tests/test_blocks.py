@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 from block_ledgers import conditions_of
 
+from fsipetsc import Block, Fluid, InputError
 from fsipetsc.blocks import maps
-from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem, Meeting
 from fsipetsc.blocks.conditions import Free, Hinge, NoSlip, Slip
-from fsipetsc.errors import InputError
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 
 GAS, SOLID = Fluid(0.0, 0.0, 1.4, 1.0), ElasticSolid(1.0, 1.0, 0.0, 1.0, 1.0)
@@ -143,18 +141,14 @@ def walls(*names, but=(), condition=NoSlip()):  # noqa: B008
     return {face: condition for face in faces if face not in but}
 
 
-def two(b, *more, condition=NoSlip(), but=()):  # noqa: B008
+def two(b, *more):
     """A square, on whose right another block is meant to be."""
-    blocks, meeting = [square(), b, *more], [("a", 0, 1), ("b", 0, 0), ("c", 0, 0), *but]
-    return BlockProblem(blocks, walls(*(x.name for x in blocks), but=meeting, condition=condition))
+    blocks, meeting = [square(), b, *more], [("a", 0, 1), ("b", 0, 0), ("c", 0, 0)]
+    return BlockProblem(blocks, walls(*(x.name for x in blocks), but=meeting))
 
 
-def beside(x=1.0, **more):
-    return square("b", (x, 0.0), (2.0, 1.0), **more)
-
-
-def alone(faces, **more):
-    return BlockProblem([square(**more)], faces)
+def beside(**more):
+    return square("b", (1.0, 0.0), (2.0, 1.0), **more)
 
 
 def curved(xi):
@@ -172,8 +166,8 @@ WRONG = {
     "expected a Fluid or an ElasticSolid": lambda: square(material="steel"),
     r"no numbers at xi = \(0.5, ": lambda: square(map=lambda xi: (xi[0], xi[1] / (xi[0] != 0.5))),
     r"J = -0.0156 per piece at .*right-handed": lambda: square(map=lambda xi: (xi[1], xi[0])),
-    r"'a', face \(axis 0, side 1\), about .* = \(1, 0.5\)": lambda: alone(
-        walls("a", but=[("a", 0, 1)])
+    r"'a', face \(axis 0, side 1\), about .* = \(1, 0.5\)": lambda: BlockProblem(
+        [square()], walls("a", but=[("a", 0, 1)])
     ),
     "meets it: expected one, or a face with the same 9 nodes": lambda: two(square("b", map=curved)),
     r"not smooth along axis 0, at .* = \(0.29": lambda: square(
@@ -187,9 +181,7 @@ WRONG = {
         beside(material=Fluid(0.0, 0.0, 1.3, 1.0))
     ),
     r"no node of a face is there; the nearest is at .* = \(1, 0.25\)": lambda: BlockProblem(
-        [square(material=SOLID)],
-        walls("a", condition=Free()),
-        points=[("a", (1.0, 0.3), Hinge())],
+        [square(material=SOLID)], walls("a", condition=Free()), points=[("a", (1.0, 0.3), Hinge())]
     ),
 }
 

@@ -6,30 +6,22 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import timed
-from block_ledgers import complete
+from block_ledgers import check_motion, complete
 from helpers import REPOSITORY, assert_same_fields, computed, different, message, solve
 from mpi4py import MPI
 
 import fsipetsc
-from fsipetsc import Fluid, FluidLayer, Problem, Wall
+from fsipetsc import Fluid, FluidLayer, InputError, Problem, Wall
 from fsipetsc.blockrun.block_state import BlockState
-from fsipetsc.errors import InputError
-from fsipetsc.particles.members import particles_of
-from fsipetsc.particles.prescribed import Prescribed
 from fsipetsc.problem import blocks_of_line
 from fsipetsc.stepping.notes import asked_data
 
 CASE = str(REPOSITORY / "tests" / "timed.py")
-KINDS = "wall", "ends", "open"
 USUAL = {option.name: option.default for option in timed.OPTIONS} | timed.DEFAULTS
 
 
-def state_of(problem, order=2):
-    return BlockState(MPI.COMM_SELF, problem, order)
-
-
-def of_kind(kind, **options):
-    return state_of(timed.build(USUAL | {"timed_kind": kind} | options))
+def state_of(problem):
+    return BlockState(MPI.COMM_SELF, problem, 2)
 
 
 def at_wall(x, velocity=None, T=None):
@@ -60,10 +52,10 @@ def asked_and_recorded(state, t):
 
 
 @pytest.mark.parametrize("t", [0.0, 0.3, 1.7])
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", ["wall", "ends", "open"])
 def test_recorded_data_are_those_of_python(kind, t):
     """But for derivatives of motions that are not given, to a few times round-off."""
-    state = of_kind(kind)
+    state = state_of(timed.build(USUAL | {"timed_kind": kind}))
     asked, recorded = asked_and_recorded(state, t)
     data = state.phases.particles.prescribed.data
     rates = {data._fields.index(name) for name in ("wall", "wall_rate", "clamp_rate")}
@@ -166,10 +158,7 @@ def test_the_velocity_of_a_wall_is_the_derivative_of_its_place(name):
     x, v = RIGHT[name]
 
     def check(velocity):
-        problem = at_wall(x, velocity=velocity)
-        particles = particles_of(problem)
-        here = np.arange(len(particles))
-        Prescribed(problem, particles, here, lambda: 1 / 256).check_motion(1.0)
+        check_motion(at_wall(x, velocity=velocity), 1 / 256)
 
     check(v)
     if name != "rest":

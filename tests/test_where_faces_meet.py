@@ -2,17 +2,12 @@
 
 import numpy as np
 import pytest
-from block_ledgers import Steps
+from block_ledgers import Steps, check_motion
 
-from fsipetsc.blocks.block import Block
-from fsipetsc.blocks.block_problem import BlockProblem
+from fsipetsc import Block, BlockProblem, Fluid, InputError
 from fsipetsc.blocks.conditions import Clamped, Free, NoSlip, Roller, Slip
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.errors import InputError
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.particles.members import particles_of
-from fsipetsc.particles.prescribed import Prescribed
 
 GAS = Fluid(0.02, 0.03, 1.4, 1.0)
 SOLID = ElasticSolid(1.0, 2.0, 0.05, 2.0, 1.5, 0.3, "log", "elastic")
@@ -69,34 +64,27 @@ ACCEPTED = {
 }
 
 
-def check(problem):
-    particles = particles_of(problem)
-    Prescribed(problem, particles, np.arange(len(particles)), lambda: 1e-3).check_motion(1.0)
-
-
 @pytest.mark.parametrize("case", REFUSED)
 def test_velocities_that_cannot_be_are_refused(case):
     problem, words = REFUSED[case]
     with pytest.raises(InputError, match=words):
-        check(problem)
+        check_motion(problem, 1e-3)
 
 
 @pytest.mark.parametrize("case", ACCEPTED)
 def test_what_fits_together_is_accepted(case):
-    check(ACCEPTED[case])
-
-
-LENGTH = 0.4
+    check_motion(ACCEPTED[case], 1e-3)
 
 
 def test_shear_beside_a_wall_along_which_the_gas_slips():
     """u = 1 - (1 - y)/(1 + l) rests under a wall of velocity 1, with the drag of the lower."""
-    slope = 1.0 / (1.0 + LENGTH)
-    flow = lambda X, Y: (1.0, slope * (Y + LENGTH), 0.0, 1.0)  # noqa: E731
+    length = 0.4
+    slope = 1.0 / (1.0 + length)
+    flow = lambda X, Y: (1.0, slope * (Y + length), 0.0, 1.0)  # noqa: E731
     box, cells = rectangle((0.0, 0.0), (1.0, 1.0)), (4, 8)
     layer = Block("gas", GAS, box, cells, flow, periodic=(True, False))
     upper = NoSlip(x=lambda X, Y, t: (X + t, Y), velocity=lambda X, Y, t: (1.0 + 0.0 * X, 0.0))
-    faces = {("gas", 1, 0): NoSlip(slip_length=LENGTH), ("gas", 1, 1): upper}
+    faces = {("gas", 1, 0): NoSlip(slip_length=length), ("gas", 1, 1): upper}
     with Steps(BlockProblem((layer,), faces)) as run:
         f = np.zeros_like(run.y.array)
         run.right_hand_side(run.y.array.copy(), f)

@@ -4,16 +4,14 @@ timed_kind: wall, the gas stands on a wall that moves and is warm, the solid is 
 from above, jumps and forcing; ends, the gas is given below and the solid clamped to what moves;
 open, gas enters from below, and waves leave the solid; lid, walls at rest beside one that moves,
 but not at its ends. timed_how: record, all functions can be;
-table, one of them is a table of numpy's; bad, one of them returns no number from t = 0.02 on.
-"""
+table, one of them is a table of numpy's; bad, one of them returns no number from t = 0.02 on."""
 
 import numpy as np
 
+from fsipetsc import Fluid, Option
 from fsipetsc.blocks.conditions import Absorbing, Clamped, Free, Given, NoSlip, Open
 from fsipetsc.blocks.layers import Layer, layers
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.options import Option
 
 KINDS = "wall", "ends", "open", "lid"
 OPTIONS = (
@@ -55,6 +53,9 @@ def build(opt):
     def inflow(X, Y, t):
         return 1.0 + 0.1 * t**2.5, 0.0, 0.1 * speed(X, t), T(X, Y, t)
 
+    def across(X, Y, t):
+        return 0.1 * speed(X, t)
+
     def stress(X, Y, t):
         return -1.0 - 0.1 * np.arctan2(t, 1.0 + X)
 
@@ -72,7 +73,7 @@ def build(opt):
         "wall": (NoSlip(x=place, T=T), pressed),
         "lid": (NoSlip(x=place, velocity=velocity), pressed),
         "ends": (Given(inflow), Clamped(x=place, velocity=velocity, T=T)),
-        "open": (Open(lambda *x: inflow(*x)[0], (0.0, velocity_of(speed)), T), Absorbing(stress)),
+        "open": (Open(lambda *x: inflow(*x)[0], (0.0, across), T), Absorbing(stress)),
     }[kind]
     walls, clamps = (NoSlip(), Clamped()) if beside else (None, None)
     of_gas = Layer(
@@ -85,8 +86,3 @@ def build(opt):
     jumps = {"jumps": jumps} if kind == "wall" else {}
     along = ((0.0, 1.0),)
     return layers(of_gas, of_solid, along=along, h=opt["fsi_h"], order=2, **more, **jumps)
-
-
-def velocity_of(speed):
-    """As a component of what flows in."""
-    return lambda X, Y, t: 0.1 * speed(X, t)
