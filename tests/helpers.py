@@ -70,9 +70,9 @@ def run(*args: object, cwd: Place = None, env: Mapping[str, str] | None = None) 
     return launch([sys.executable, *map(str, args)], cwd, env)
 
 
-def mpirun(n: int, *args: object, cwd: Place = None) -> Done:
+def mpirun(n: int, *args: object, cwd: Place = None, env: Mapping[str, str] | None = None) -> Done:
     """`mpiexec -n N python *args`."""
-    return launch(["mpiexec", "-n", str(n), sys.executable, *map(str, args)], cwd)
+    return launch(["mpiexec", "-n", str(n), sys.executable, *map(str, args)], cwd, env)
 
 
 def solve(*args: object, cwd: Place = None, ranks: int = 1) -> Done:
@@ -155,9 +155,9 @@ def different(a: Path, b: Path, same_ranks: bool) -> list[str]:
     return [*wrong, *found.notes, *(f"{name}: {x}, {y}" for name, x, y in pairs if x != y)]
 
 
-def program(name: str) -> SimpleNamespace:
-    """A program of the folder `verify`, which computes references apart from the package."""
-    return SimpleNamespace(**runpy.run_path(str(REPOSITORY / "verify" / f"{name}.py")))
+def program(name: str, folder: str = "verify") -> SimpleNamespace:
+    """A program of a folder; those of `verify` compute references apart from the package."""
+    return SimpleNamespace(**runpy.run_path(str(REPOSITORY / folder / f"{name}.py")))
 
 
 def well(done: Done) -> Done:

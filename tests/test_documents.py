@@ -6,16 +6,14 @@ import inspect
 import io
 import json
 import re
-import runpy
 import shlex
 from collections import namedtuple
 from functools import cache
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, compute
+from helpers import REPOSITORY, compute, program
 
 from fsipetsc.output import drawing
 
@@ -42,12 +40,6 @@ OPTIONS_FILES = {
 #: cases of one's own
 OWN_CASES = {path.relative_to(REPOSITORY).as_posix(): path for path in REPOSITORY.glob("runs/*.py")}
 FENCED = re.compile(r"^```(\w*)$(.*?)^```$", re.S | re.M)
-
-
-def slug(heading):
-    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
-
-
 #: texts of the templates and of the cases that stand in runs/
 CASE_FILES = [
     path.read_text()
@@ -82,7 +74,7 @@ def test_options_links_and_files_exist(name):
     for target, anchor in re.findall(r"\]\(([\w./-]*)(?:#([\w-]*))?\)", text):
         assert (folder / target).exists(), target
         headings = re.findall(r"^#+ (.*)$", TEXTS.get(Path(target).name or name, ""), re.M)
-        anchors = list(map(slug, headings))
+        anchors = [re.sub(r"[^\w\- ]", "", h.lower()).replace(" ", "-") for h in headings]
         assert not anchor or anchor in anchors, f"{target}#{anchor}"
     named = re.findall(r"(?<![\w/.])((?:scripts|runs|docs|tests|fsipetsc)/[\w./-]*\w)", text)
     assert not [path for path in named if not (REPOSITORY / path).exists()]
@@ -124,22 +116,18 @@ def test_where_to_add_something_is_true():
             assert found, f"{what}: {name}"
 
 
-@cache
-def hooks():
-    return SimpleNamespace(**runpy.run_path(str(DOCS / "hooks.py")))
-
-
 def test_the_site_has_all_public_names_with_all_arguments():
     """Docstrings tell arguments, or attributes of what users do not make themselves."""
     import fsipetsc
     from fsipetsc.blocks import conditions
 
-    for name, members in hooks().MEMBERS.items():
+    hooks = program("hooks", "docs")
+    for name, members in hooks.MEMBERS.items():
         module, _, last = name.rpartition(".")
         of = getattr(importlib.import_module(module), last)
         known = {*dir(of), *vars(of).get("__annotations__", ())}
         assert known >= {*members.split()}, name
-    names = {name for found in hooks().public_names().values() for name in found}
+    names = {name for found in hooks.public_names().values() for name in found}
     assert {f"fsipetsc.{n}" for n in fsipetsc.__all__} - names == {"fsipetsc.__version__"}
     made = {n: of for n, of in vars(conditions).items() if isinstance(of, type)}
     kinds = {n for n, of in made.items() if issubclass(of, conditions.Condition)} - {"Condition"}
@@ -159,7 +147,7 @@ def test_the_site_has_all_public_names_with_all_arguments():
 
 def test_each_option_has_a_page_that_names_it():
     """Those of every run are named in a page; a case and a command have pages, too."""
-    made = hooks().options_page()
+    made = program("hooks", "docs").options_page()
     assert re.findall(r"^\| `-\w+`.*\) \|$", made, re.M) == re.findall(r"^\| `-.*$", made, re.M)
     assert "Pages: ." not in made and "| `-fsi_h` | float |" in made
 

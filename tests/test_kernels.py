@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from helpers import PATIENCE, REPOSITORY, environment, launch, message, mpirun, solve, well
+from helpers import PATIENCE, REPOSITORY, environment, message, mpirun, solve, well
 from recorded import recorded
 
 from fsipetsc.equations.gas import Gas
@@ -256,13 +256,9 @@ def compiler_that(does, folder):
     return {"CC": str(folder / "compiler"), "FSIPETSC_CACHE": str(folder / "cache")}
 
 
-def ranks_of(n, folder, env, *words):
-    return launch(["mpiexec", "-n", str(n), sys.executable, *words], folder, env)
-
-
 def test_a_compiler_that_fails_ends_all_ranks_once(tmp_path):
     does = "echo 'a note' >&2; echo 'kernels.c:7: error: no such luck' >&2; exit 1"
-    done = ranks_of(3, tmp_path, compiler_that(does, tmp_path), *RUN)
+    done = mpirun(3, *RUN, cwd=tmp_path, env=compiler_that(does, tmp_path))
     message(done, 2, "compiling kernels failed: kernels.c:7: error: no such luck (the command was")
 
 
@@ -270,7 +266,7 @@ def test_a_home_that_cannot_be_written_costs_a_warning(tmp_path):
     """One; what is compiled is sent, and the run goes on."""
     env = {"HOME": "/proc/none", "XDG_CACHE_HOME": "", "FSIPETSC_CACHE": "", "CFLAGS": "-O0"}
     line = "-m fsipetsc compile rod -fsi_coupling projection"
-    done = ranks_of(3, tmp_path, env, *line.split())
+    done = mpirun(3, *line.split(), cwd=tmp_path, env=env)
     assert done.returncode == 0, done.stderr
     assert done.stderr.count("warning: cannot keep compiled kernels in /proc/none/.cache") == 1
 
@@ -327,8 +323,8 @@ def test_a_signal_during_compilation_is_answered_at_once(tmp_path):
 def test_twenty_cold_starts(ranks, tmp_path):
     for k in range(20):
         env = {"FSIPETSC_CACHE": str(tmp_path / f"cache{k}")}
-        command = "-m", "fsipetsc", "compile", "rod", "-fsi_h", "0.1"
-        done = ranks_of(ranks, tmp_path, env, *command)
+        command = "-m fsipetsc compile rod -fsi_h 0.1".split()
+        done = mpirun(ranks, *command, cwd=tmp_path, env=env)
         assert done.returncode == 0, done.stderr
         assert done.stdout.splitlines()[-1] == "the kernels of rod are ready"
 
@@ -348,9 +344,7 @@ class Part(NamedTuple):
     doubles: bool
 
 
-def part(doubles=True, n=5):
-    table = np.arange(3.0 * n).reshape(n, 3)
-    return Part(Inner(table, 0.5), np.array([4, 0, 2]), 1, doubles)
+PART = Part(Inner(np.arange(15.0).reshape(5, 3), 0.5), np.array([4, 0, 2]), 1, True)
 
 
 def test_branches_variables_and_reading_again():
@@ -371,7 +365,7 @@ def test_branches_variables_and_reading_again():
         y[-2] = number(part.at[whole(often.value) - 4])
 
     y = np.array([2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0])
-    recorded(count, part())(y)
+    recorded(count, PART)(y)
     assert y.tolist() == [54.0, 4.0, -4.0, -5.0, 6.0, 7.0, 4.0, 7 % 3]
 
 
@@ -385,7 +379,7 @@ def test_exact_sums_are_not_fused():
             y[2] = a[1, 1] * a[1, 2] + y[i]
             y[3] = y[i] + exact(a[0, 1] * a[1, 1])
 
-    text = recorded(mean, part()).text
+    text = recorded(mean, PART).text
     assert text.count("fma") == 1
     assert exact(2.0) == 2.0 and exact((1.0, 2.0)) == (1.0, 2.0)
 
@@ -401,4 +395,4 @@ def test_a_procedure_that_cannot_be_recorded_is_refused_with_its_line():
 
     for function in (branches, counts):
         with pytest.raises(InputError, match=rf"{function.__name__}, .*test_kernels.py:\d+"):
-            recorded(function, part())
+            recorded(function, PART)
