@@ -1,7 +1,6 @@
 """Shapes of blocks as arrays of nodes: {name: (X, periods)}, X (d, n_1, ..., n_d).
 
-What is gas or solid follows from the name's first letter; n: nodes along most axes.
-"""
+What is gas or solid follows from the name's first letter; n: nodes along most axes."""
 
 import numpy as np
 

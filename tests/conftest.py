@@ -51,8 +51,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @pytest.fixture(scope="module", autouse=True)
 def flags_of_kernels(request: pytest.FixtureRequest) -> Iterator[None]:
     """Kernels are compiled in an eighth of the time, without optimisation, which changes no bit
-    (tests/test_bits.py), but not for MANY_STEPS, nor in processes that tests start themselves.
-    """
+    (tests/test_bits.py), but not for MANY_STEPS, nor in processes that tests start themselves."""
     many = request.path.stem.removeprefix("test_") in MANY_STEPS
     with pytest.MonkeyPatch.context() as patch:
         if not many and "CFLAGS" not in os.environ:

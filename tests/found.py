@@ -24,8 +24,8 @@ OTHERS = {
 }
 
 
-def at_rest(gas, p=P0):
-    return lambda X: (gas.gas_law.density(P0 if p is None else p, T0) + 0.0 * X, 0.0, T0)
+def at_rest(gas):
+    return lambda X: (gas.gas_law.density(P0, T0) + 0.0 * X, 0.0, T0)
 
 
 def build(opt):
@@ -88,11 +88,6 @@ def noh(opt):
     def far(X, t):
         return (1 + t / X) ** k, -1.0 + 0 * X, p0 * (1 + t / X) ** (k * 2 / 3)
 
-    block = Block(
-        "gas",
-        Fluid(0.0, 0.0, 5 / 3, 1.0),
-        off_axis(rectangle(0.0, 1.0), n),
-        (n,),
-        lambda X: (1.0, -1.0, p0),
-    )
+    gas, places = Fluid(0.0, 0.0, 5 / 3, 1.0), off_axis(rectangle(0.0, 1.0), n)
+    block = Block("gas", gas, places, (n,), lambda X: (1.0, -1.0, p0))
     return BlockProblem((block,), {("gas", 0, 0): Centre(), ("gas", 0, 1): Given(far)}, symmetry=k)

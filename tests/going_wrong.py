@@ -2,17 +2,15 @@
 
 mad_field of layer mad_layer, an unknown of its forcing, gets a rate of mad_rate in its upper half;
 place: the lower wall moves at this speed. Or the function mad_function fails, on all ranks or on
-one.
-"""
+one."""
 
 import numpy as np
 from mpi4py import MPI
 
+from fsipetsc import Fluid, Option
 from fsipetsc.blocks.conditions import Clamped, Given, NoSlip, Slip
 from fsipetsc.blocks.layers import Layer, layers
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.options import Option
 
 OPTIONS = (
     Option("mad_layers", "str", "gsg", "", "g for a gas, s for a solid, from below"),

@@ -44,8 +44,6 @@ OTHERS = {
 }
 OF_X86 = "AVX2", "plain", "numpy"
 long = pytest.mark.long
-
-
 #: does command lines one after the other in one process
 LINES = """
 import shlex, sys

@@ -11,19 +11,15 @@ from helpers import message, solve, well
 
 import fsipetsc
 from fsipetsc.errors import FileError
-from fsipetsc.output.file_layout import CheckpointError
-from fsipetsc.output.file_layout import read_checkpoint as read
-from fsipetsc.output.file_layout import write_checkpoint as write
+from fsipetsc.output.file_layout import CheckpointError, read_checkpoint, write_checkpoint
 
 SMALL = {"case": "rod", "memory": {"t": float("inf")}}, {"layer0": np.arange(6.0)}
 
 
 def test_each_byte_counts(tmp_path):
-    """One that is changed in one bit is noticed (every third is tried), and so is a file that was
-    cut.
-    """
-    write(tmp_path / "a.h5", *SMALL)
-    header, arrays = read(tmp_path / "a.h5")
+    """A bit that changes is noticed (one in every third byte), and so is a file that was cut."""
+    write_checkpoint(tmp_path / "a.h5", *SMALL)
+    header, arrays = read_checkpoint(tmp_path / "a.h5")
     assert header == SMALL[0] and np.array_equal(arrays["layer0"], SMALL[1]["layer0"])
     with h5py.File(tmp_path / "a.h5") as file:  # as it is for other programs
         assert file["arrays/layer0"][3] == 3.0
@@ -32,7 +28,7 @@ def test_each_byte_counts(tmp_path):
     def refused(content):
         (tmp_path / "a.h5").write_bytes(content)
         with pytest.raises(FileError, match=r"is not a checkpoint|damaged"):
-            read(tmp_path / "a.h5")
+            read_checkpoint(tmp_path / "a.h5")
 
     for i in range(0, len(content), 3):
         content[i] ^= 1 << i % 8
@@ -42,13 +38,13 @@ def test_each_byte_counts(tmp_path):
         refused(content[:length])
     refused(content + b"\0")
     with pytest.raises(FileError, match="is not a checkpoint of fsipetsc"):
-        read(tmp_path)
+        read_checkpoint(tmp_path)
 
 
 @pytest.mark.parametrize("at", ["fsync", "replace"])
 def test_what_fails_in_the_middle_leaves_the_one_before(at, tmp_path, monkeypatch):
     target = tmp_path / "a.h5"
-    write(target, {"steps": 2}, {})
+    write_checkpoint(target, {"steps": 2}, {})
 
     def full(*arguments):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -56,8 +52,8 @@ def test_what_fails_in_the_middle_leaves_the_one_before(at, tmp_path, monkeypatc
     with monkeypatch.context() as context:
         context.setattr(os, at, full)
         with pytest.raises(CheckpointError, match=r"No space left .*; the one before is kept in"):
-            write(target, {"steps": 3}, {})
-    assert read(target)[0]["steps"] == 2
+            write_checkpoint(target, {"steps": 3}, {})
+    assert read_checkpoint(target)[0]["steps"] == 2
     assert os.listdir(tmp_path) == ["a.h5"]
 
 
@@ -115,8 +111,8 @@ def test_what_was_given_up_is_not_gone_on_from(tmp_path):
     shutil.copy(tmp_path / NEWEST, tmp_path / "late.h5")
     words = *WORDS, 30, "-ts_dt", "1e-5", "-fsi_restart", "old.h5"
     assert goes_on(tmp_path, *words) == "old.h5: step 20"
-    kept = [read(tmp_path / name)[0]["memory"] for name in (NEWEST, "rod.checkpoint.1.h5")]
-    assert [memory["steps"] for memory in kept] == [30, 40]
+    both = (read_checkpoint(tmp_path / name)[0] for name in (NEWEST, "rod.checkpoint.1.h5"))
+    assert [header["memory"]["steps"] for header in both] == [30, 40]
     assert goes_on(tmp_path, *WORDS, 50, "-fsi_restart", "auto", ranks=2) == f"{NEWEST}: step 30"
     before = contents(tmp_path)
     done = solve(*WORDS, 60, "-fsi_restart", "late.h5", cwd=tmp_path)

@@ -125,9 +125,8 @@ def test_a_restart_whose_data_fail(tmp_path):
         assert result.summary["status"] == "failed" and result.series["t"].size == 6
 
 
-PROGRAM = f"{sys.executable} -m fsipetsc"
 #: prints far more than what one who leaves after a line has read, in many writes
-COMPUTES = f"{PROGRAM} rod -fsi_h 0.1 -ts_max_steps 300 -ts_monitor"
+COMPUTES = f"{sys.executable} -m fsipetsc rod -fsi_h 0.1 -ts_max_steps 300 -ts_monitor"
 
 
 @pytest.mark.parametrize("into", [">/dev/full", "| head -n 0; exit ${PIPESTATUS[0]}"])
@@ -139,7 +138,6 @@ def test_a_run_goes_on_where_nothing_can_be_printed(into, tmp_path):
 
 
 # notes on initial data that may not be meant, and on what the grid does not resolve
-
 
 #: the piston with one thing changed
 CHANGED = """

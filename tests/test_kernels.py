@@ -275,9 +275,10 @@ def test_what_is_compiled_on_one_rank_serves_all(tmp_path):
     """No rank has all the conditions, whose data depend on time."""
     env = {"FSIPETSC_CACHE": str(tmp_path / "cache"), "CFLAGS": "-O0"}
     case = str(REPOSITORY / "tests" / "timed.py"), "-timed_kind", "ends"
-    well(ranks_of(1, tmp_path, env, "-m", "fsipetsc", "compile", *case))
+    well(mpirun(1, "-m", "fsipetsc", "compile", *case, cwd=tmp_path, env=env))
     made = sorted((tmp_path / "cache").iterdir())
-    well(ranks_of(3, tmp_path, env, "-m", "fsipetsc", *case, "-ts_max_steps", "2", "-fsi_quiet"))
+    words = *case, "-ts_max_steps", 2, "-fsi_quiet"
+    well(mpirun(3, "-m", "fsipetsc", *words, cwd=tmp_path, env=env))
     assert sorted((tmp_path / "cache").iterdir()) == made
 
 

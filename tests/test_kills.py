@@ -1,7 +1,6 @@
 """Runs that signals stop or kill end in order, and go on with the same bits.
 
-Processes signal themselves at named places (signalled_program.py).
-"""
+Processes signal themselves at named places (signalled_program.py)."""
 
 import fcntl
 import json
@@ -142,10 +141,7 @@ sys.exit(ending.end_together(kinds[world.rank]("of this rank"), notes))
 
 @pytest.mark.parametrize(
     ("place", "status", "said"),
-    [
-        ("run", 143, "stopped by SIGTERM at t = 1"),
-        ("none", 4, "of this rank"),
-    ],
+    [("run", 143, "stopped by SIGTERM at t = 1"), ("none", 4, "of this rank")],
 )
 def test_all_ranks_end_in_order(place, status, said, tmp_path):
     """A run is stopped while rank 2 sleeps; all fail, each in its way."""

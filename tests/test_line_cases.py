@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers import computed, solve
+from helpers import computed, solve, well
 
 import fsipetsc
 from fsipetsc.cases import load_case
@@ -113,9 +113,7 @@ def test_the_piston_compresses_the_gas_adiabatically(tmp_path):
 
 
 def test_box_keeps_all_that_must_not_change(tmp_path):
-    options = ("-fsi_order", "6", "-fsi_h", "0.025")
-    done = solve("box", *options, cwd=tmp_path, ranks=2)
-    assert done.returncode == 0, done.stderr
+    done = well(solve("box", "-fsi_order", 6, "-fsi_h", 0.025, cwd=tmp_path, ranks=2))
     for begin in ("interfaces ", "bound ", "departures ", "result in ", "next: "):
         assert f"\n{begin}" in done.stdout
     result = fsipetsc.open_run(tmp_path / "box.h5")

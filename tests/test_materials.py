@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 from recorded import recorded
 
+from fsipetsc import Fluid, InputError
 from fsipetsc.equations.elementary import logarithm_rest
-from fsipetsc.errors import InputError
 from fsipetsc.kernels.loops import each
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.own import check_inverses, gas_law, pressure_law, solid_law, transport_law
 from fsipetsc.materials.solid import ElasticSolid, Solid
 from fsipetsc.materials.solid_pressure import mie_gruneisen
@@ -92,8 +91,6 @@ def test_sutherland_and_a_power_of_the_temperature():
 # laws that cases bring
 
 R = 287.0
-
-
 GAS = {
     "pressure": lambda rho, T: R * rho * T,
     "internal_energy": lambda rho, T: 717.5 * T,

@@ -5,11 +5,8 @@ import numpy as np
 import pytest
 from helpers import REPOSITORY
 
-from fsipetsc.blocks.block import Block
-from fsipetsc.blocks.block_problem import BlockProblem
+from fsipetsc import Block, BlockProblem, Fluid, InputError
 from fsipetsc.blocks.conditions import NoSlip, Slip
-from fsipetsc.errors import InputError
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.mesh_files import read_cgns
 
 AIR = Fluid(mu=0.01, kappa=0.0, gamma=1.4, R=287.0)

@@ -23,6 +23,9 @@ def rates(coarse, fine):
 
 # the manufactured solution of Sec. 5.1: errors as the reference's, and rates no lower
 
+EACH_ORDER = pytest.mark.parametrize(
+    "order", [q if q == 4 else pytest.param(q, marks=pytest.mark.long) for q in ORDERS]
+)
 #: combined errors (fluid, solid) at t = 0.45 for h = 0.0125 and 0.00625
 REFERENCE = {
     2: {0.0125: (5.0e-4, 3.9e-4), 0.00625: (1.15e-4, 9.3e-5)},
@@ -36,9 +39,7 @@ MMS = {2: 1.9, 4: 2.6, 6: 4.2, 8: 4.5}
 VISCOUS = {2: 1.7, 4: 2.7, 6: 4.0, 8: 3.8}
 
 
-@pytest.mark.parametrize(
-    "order", [q if q == 4 else pytest.param(q, marks=pytest.mark.long) for q in ORDERS]
-)
+@EACH_ORDER
 def test_manufactured_solution(order, tmp_path):
     runs = on_grids(tmp_path, "mms", f"-fsi_order {order}", REFERENCE[order])
     for run, largest in zip(runs, REFERENCE[order].values(), strict=True):
@@ -59,9 +60,7 @@ def test_resolved_viscosity(mu, kappa, order, tmp_path):
 DISSIPATED = {2: (0.9, 0.65), 4: (2.2, 2.6), 6: (4.0, 3.9), 8: (4.9, 4.4)}
 
 
-@pytest.mark.parametrize(
-    "order", [q if q == 4 else pytest.param(q, marks=pytest.mark.long) for q in ORDERS]
-)
+@EACH_ORDER
 def test_dissipation(order, tmp_path):
     """Where the strength at shocks is as good as none, what is left is the other term."""
     words = f"-box_dimension 1 -fsi_dissipation 1 -fsi_shock 1e-300 -fsi_order {order}"

@@ -1,6 +1,5 @@
 """Result files: what a run writes is what the reader reads, whatever happens in between; damaged
-ones are read, or refused with one message and status 4.
-"""
+ones are read, or refused with one message and status 4."""
 
 import os
 import shutil

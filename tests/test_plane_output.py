@@ -1,7 +1,6 @@
 """Results in two dimensions: XDMF, lines of interfaces, info, xarray, recorded points."""
 
 import xml.etree.ElementTree as ET
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -42,16 +41,10 @@ POINTS = "-fsi_probes", "0,1;0.3,1;1,1;0,1.5;0.3,1.5;1,1.5;0.4,0.6;0.5,1.25"
 
 @pytest.fixture(scope="module")
 def box(tmp_path_factory):
-    """box(ranks, partition): a result; on two ranks "balanced" lets both have parts of all."""
+    """A result of two ranks."""
     folder = tmp_path_factory.mktemp("box")
     (folder / "box2d.py").write_text(BOX)
-
-    @cache
-    def result(ranks, partition="auto"):
-        words = "box2d.py", *POINTS, "-fsi_partition", partition
-        return computed(folder, f"{ranks}{partition}.h5", *words, ranks=ranks)
-
-    return result
+    return computed(folder, "box.h5", "box2d.py", *POINTS, ranks=2)
 
 
 def numbers(item, folder):
@@ -72,14 +65,13 @@ def numbers(item, folder):
 
 
 def test_xdmf_has_the_numbers_of_all_frames(box):
-    result = box(2)
-    folder = Path(result.path).parent
-    (series,) = ET.parse(folder / "2auto.xdmf").getroot().iterfind("Domain/Grid")
+    folder = Path(box.path).parent
+    (series,) = ET.parse(folder / "box.xdmf").getroot().iterfind("Domain/Grid")
     frames = series.findall("Grid")
     times = [float(frame.find("Time").get("Value")) for frame in frames]
-    assert times == result.time.tolist() and result.nframes > 2
+    assert times == box.time.tolist() and box.nframes > 2
     for number, frame in enumerate(frames):
-        for grid, layer in zip(frame.findall("Grid"), result.layers, strict=True):
+        for grid, layer in zip(frame.findall("Grid"), box.layers, strict=True):
             fields, shape = layer.frame(number), (1, len(layer.Y), len(layer.X))
             assert grid.get("Name") == layer.name
             assert grid.find("Topology").get("Dimensions") == "{} {} {}".format(*shape)
@@ -95,18 +87,17 @@ def test_xdmf_has_the_numbers_of_all_frames(box):
 
 def test_recorded_nodes_are_those_of_the_frames_and_the_box_is_closed(box):
     """Of both interfaces at three X, and two places: in the gas, in the plate."""
-    result = box(2)
-    below, plate, _ = result.layers
-    assert [name for name, _ in result.points[:6]] == ["plate"] * 6
-    assert result.points[6:] == (("below", (0.375, 0.625)), ("plate", (0.5, 1.25)))
-    last = {name: values[-1] for name, values in result.series.items() if name.endswith("_point")}
+    below, plate, _ = box.layers
+    assert [name for name, _ in box.points[:6]] == ["plate"] * 6
+    assert box.points[6:] == (("below", (0.375, 0.625)), ("plate", (0.5, 1.25)))
+    last = {name: values[-1] for name, values in box.series.items() if name.endswith("_point")}
     frame = plate.frame(-1)
     for name in "xvTp":
         assert last[f"{name}_point"][6] == below[name][-1][10, 6], name
     assert last["p_point"][7] == -(frame["s_xx"][4, 8] + frame["s_yy"][4, 8]) / 2
     columns = [0, 5, 16]
     for k in range(2):
-        line, here = result.interface(k), slice(3 * k, 3 * k + 3)
+        line, here = box.interface(k), slice(3 * k, 3 * k + 3)
         for name in ("x", "y", "u", "v", "T"):
             expected = getattr(line, name)[-1, columns]
             assert np.array_equal(last[f"{name}_point"][here], expected), name
@@ -118,6 +109,6 @@ def test_recorded_nodes_are_those_of_the_frames_and_the_box_is_closed(box):
             gap = last[f"{name}_point"][here] - expected[columns]
             assert np.abs(gap).max() < 1e-4, name  # normals by differences of second order
     for name in ("mass of 'below'", "mass of 'above'", "energy"):
-        assert result.summary["departures"][name] < 4e-15, name
+        assert box.summary["departures"][name] < 4e-15, name
     moved = plate["y"][-1] - plate.Y[:, None]
     assert np.abs(moved).max() > 1e-4  # or it would be no test
