@@ -235,6 +235,7 @@ def _draw_curves(figure: FigureBase, run: Run, panels: list[Panel], columns: int
             axes.plot(t, values, label=name)
         if panel.logarithmic:
             axes.set_yscale("log")
+            axes.margins(y=0.0)  # decades, which follow, are margin enough
             low, high = axes.get_ylim()
             decades = np.log10([max(low, high / SPAN), high])
             axes.set_ylim(10.0 ** np.floor(decades[0]), 10.0 ** np.ceil(decades[1]))

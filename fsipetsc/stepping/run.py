@@ -325,10 +325,11 @@ class Run(Integrator):
             failure = error
             if isinstance(error, ComputationError):
                 error.args = ("; ".join([str(error), *self._long_steps]),)
-            self.writer.flush()
         number = self.stop_signal
-        summary = self._summary(failure)
         try:
+            if failure is not None:
+                self.writer.flush()
+            summary = self._summary(failure)
             self.writer.finish(summary, found, join=not number)  # there may be no time to join it
         except FileError as error:
             if failure is None:
