@@ -115,8 +115,7 @@ class Grids:
         return found
 
     def _blended(self, k, q, t, part):
-        """Of a gas's grid: vertices, edges, faces, inside. It is the Boolean sum of the boundary
-        where not all nodes are moved by something."""
+        """Of a gas's grid: vertices, edges, faces, inside; Boolean sums where not all is moved."""
         X, d = self.blocks[k].X, self.d
         f, index = np.zeros(X.shape, q[self.names[k]].dtype), np.indices(X.shape[1:])
         sides = [(None,) if self.periodic(k, j) else (0, -1, None) for j in range(d)]

@@ -233,8 +233,7 @@ class Volume(Grids):
         return np.max(alphas, axis=0) * (self.problem.shock > 0.0)
 
     def _steepness(self, f, k, j, size, of=lambda df: df):
-        """alpha of a vector f: 0 where it is smooth along axis j, 1 at shocks. of: what of its
-        differences counts."""
+        """alpha of f: 0 where smooth along axis j, 1 at shocks; of: what counts of a change."""
         norm = lambda df: np.sqrt((df**2).sum(axis=0))  # noqa: E731
         rise, fall = of(np.roll(f, -1, axis=1 + j) - f), of(f - np.roll(f, 1, axis=1 + j))
         s = norm(rise - fall) / (norm(rise) + norm(fall) + size)

@@ -16,8 +16,7 @@ from recorded import recorded
 from fsipetsc.particles.constraints import eliminate
 from fsipetsc.scheme import gas_sweep, solid_sweep
 
-#: inviscid gas that slips along solids with an energy of their own; viscous, conducting gas and
-#: solid
+#: inviscid gas that slips along solids with an energy of their own; what sticks and conducts
 SLIPPING = Gas(), Solid("log", heat="elastic")
 STICKING = Gas(mu=0.02, kappa=0.03, powers=(0.7, 0.9)), Solid("log", kappa=0.05)
 ELASTIC = Gas(mu=0.02, kappa=0.03), Solid("log", kappa=0.05, heat="elastic")

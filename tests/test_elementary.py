@@ -31,17 +31,12 @@ def sizes(a, b):
     return np.exp2(between(a, b)) * RANDOM.choice([-1.0, 1.0], WANTED)
 
 
-def near_quarters(most):
-    """The numbers next to multiples of pi/2."""
-    pi = LONG("3.14159265358979323846264338327950288")
-    return (RANDOM.integers(1, most, WANTED).astype(LONG) * (pi / 2)).astype(float)
-
-
 EVERY, SMALL, BELOW_1 = sizes(-1074, 1023.99), sizes(-60, 2), sizes(-1074, 0)
 POSITIVE = np.concatenate([abs(EVERY), between(0.5, 2.0), 1.0 + sizes(-52, -3)])
-ANGLES = np.concatenate(
-    [BELOW_1, between(-9, 9), between(-1e5, 1e5), sizes(17, 40), near_quarters(60000)]
-)
+ANGLES = [BELOW_1, between(-9, 9), between(-1e5, 1e5), sizes(17, 40)]
+# the numbers next to multiples of pi/2
+QUARTERS = RANDOM.integers(1, 60000, WANTED) * (LONG("3.14159265358979323846264338327950288") / 2)
+ANGLES = np.concatenate([*ANGLES, QUARTERS.astype(float)])
 HYPERBOLIC = np.concatenate([BELOW_1, between(-3, 3), between(-710.4, 710.4)])
 ARGUMENTS = {
     "exp": (np.concatenate([between(-745.1, 709.7), between(-745, -708), between(-2, 2), SMALL]),),

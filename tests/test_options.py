@@ -7,14 +7,13 @@ from helpers import run, solve
 
 import fsipetsc
 from fsipetsc import options
-from fsipetsc.options import Option, read_options
 
 CASE = SimpleNamespace(
     NAME="stub",
     SUMMARY="a stub",
     OPTIONS=(
-        Option("solid_parts", "ints", (1, 2), "", "parts"),
-        Option("solid_law", str, "linear", "-", "law", ("linear", "cubic")),
+        options.Option("solid_parts", "ints", (1, 2), "", "parts"),
+        options.Option("solid_law", str, "linear", "-", "law", ("linear", "cubic")),
     ),
     DEFAULTS={"fsi_h": 0.0125, "ts_max_time": 2, "fsi_output_dt": 0.02},
 )
@@ -26,9 +25,8 @@ def read():
     before = options.present()
 
     def reader(text):
-        return read_options(
-            CASE, options.given_options(text.split() if isinstance(text, str) else text)
-        )
+        words = text.split() if isinstance(text, str) else text
+        return options.read_options(CASE, options.given_options(words))
 
     yield reader
     options.put(before)
@@ -65,7 +63,7 @@ def test_interval_and_times_of_output_replace_each_other(read):
     assert read("-fsi_output_times 0.1,0.2")["fsi_output_dt"] is None
     both = read("-fsi_output_dt 0.5 -fsi_output_times 0.1,0.2")
     assert (both["fsi_output_dt"], both["fsi_output_times"]) == (0.5, (0.1, 0.2))
-    again = read_options(CASE, {}, inherited={"fsi_output_dt": None})
+    again = options.read_options(CASE, {}, inherited={"fsi_output_dt": None})
     assert again["fsi_output_dt"] is None
 
 

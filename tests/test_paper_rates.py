@@ -20,9 +20,6 @@ from fsipetsc.paper.paper_state import PaperState
 from fsipetsc.scheme.plan import RATE
 
 FROZEN = Path(__file__).with_name("paper_rates.json")
-COUPLINGS = "projection", "energy", "traditional"
-#: who conducts heat
-HEAT = "both", "gas", "solid", "none"
 ENDS = {
     "clamped": (clamped(0.3, T=310.0), None),
     "free": (free(-9e4, heat_flux=1e3), None),
@@ -50,14 +47,14 @@ def state_of(name, ends=None, **changed):
 def runs():
     """name -> what is asked of ``state_of``."""
     found = {}
-    for c, coupling in enumerate(COUPLINGS):
+    for c, coupling in enumerate(("projection", "energy", "traditional")):
         for name, k in product(("rod", "mms"), range(4)):
             if (k // 2 + c + (name == "mms")) % 2:
                 continue
             order, viscous = 2 * k + 2, ("wide", "narrow")[(k + (name == "mms")) % 2]
             asked = {"fsi_order": order, "fsi_coupling": coupling, "fsi_viscous": viscous}
             found[f"{name} {coupling} {order} {viscous}"] = {"name": name, **asked}
-        for heat in HEAT if coupling == "projection" else ("both", "none"):
+        for heat in ("both", "none", "gas", "solid")[: 4 if coupling == "projection" else 2]:
             numbers = {
                 "fluid_kappa": 0.7 * (heat in ("both", "gas")),
                 "solid_kappa": 0.5 * (heat in ("both", "solid")),

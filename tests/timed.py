@@ -79,10 +79,7 @@ def build(opt):
     of_gas = Layer(
         *("gas", GAS, (0.0, 1.0), lambda X, Y: (1.0, 0.0, 0.0, 1.0)), forcing=forcing, sides=walls
     )
-    of_solid = Layer(
-        *("plate", SOLID, (1.0, 2.0), lambda X, Y: (0.0, 0.0, 1.0, X, Y)), sides=clamps
-    )
+    plate = Layer("plate", SOLID, (1.0, 2.0), lambda X, Y: (0.0, 0.0, 1.0, X, Y), sides=clamps)
     more = {"lower": lower, "upper": upper, "units": "none"}
-    jumps = {"jumps": jumps} if kind == "wall" else {}
-    along = ((0.0, 1.0),)
-    return layers(of_gas, of_solid, along=along, h=opt["fsi_h"], order=2, **more, **jumps)
+    more |= {"jumps": jumps} if kind == "wall" else {}
+    return layers(of_gas, plate, along=((0.0, 1.0),), h=opt["fsi_h"], order=2, **more)
