@@ -106,7 +106,6 @@ def heated(t):
         raise ValueError("the table ends")
     return 300.0 + t
 
-
 def build(opt):
     air = Fluid(1.8e-5, 0.026, 1.4, 287.0)
     at_rest = lambda X: (1.2 + 0.0 * X, 0.0 * X, 300.0 + 0.0 * X)
@@ -193,7 +192,6 @@ from fsipetsc.materials.solid import ElasticSolid
 
 OPTIONS = ()
 DEFAULTS = {"fsi_h": 0.1, "fsi_order": 2, "ts_max_time": 0.3, "fsi_output_dt": 0.05}
-
 
 def build(opt):
     bar = ElasticSolid(1.0, 1.0, 0.0, 1.0, 1.0, law="svk")

@@ -116,12 +116,10 @@ from fsipetsc.process import together as ending
 from fsipetsc.process.launch import start_mpi
 from fsipetsc.process.together import together
 
-
 def run():
     if sys.argv[1] == "none":
         return
     raise Interrupted(signal.SIGTERM, "stopped by SIGTERM at t = 1")  # as by a signal
-
 
 world, sleep = start_mpi(), time.sleep
 notes = world.Dup()

@@ -130,7 +130,6 @@ from fsipetsc import Fluid, FluidLayer, Problem, Solid, SolidLayer, Wall, clampe
 
 OPTIONS, DEFAULTS = (), {"ts_max_time": 1.0, "fsi_output_dt": 1.0}
 
-
 def build(opt):
     gas, rod = Fluid(0.1, 0.3, 1.4, 1.0), Solid(5.0, 0.05, 2.0, 1.5)
     layers = (

@@ -18,10 +18,8 @@ from fsipetsc.cases.flows import *
 OPTIONS = blast.OPTIONS
 DEFAULTS = {"fsi_h": 1 / 16, "ts_max_time": 0.2, "fsi_output_dt": 0.1}
 
-
 def bump(X, Y):
     return 1 + 0.3 * np.exp(-40 * ((X - 0.4) ** 2 + (Y - 0.6) ** 2)), 0.0, 0.0, 1.0
-
 
 def build(opt):
     gas, plate = gas_of(opt), elastic_of(opt, kappa_e=0.01, heat="coupled")

@@ -4,11 +4,10 @@ import os
 import re
 from itertools import combinations
 
-import helpers
 import matplotlib
 import numpy as np
 import pytest
-from helpers import compute, computed, solve, well
+from helpers import compute, computed, run, solve, well
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
@@ -47,9 +46,9 @@ def test_no_text_lies_on_another_or_is_cut_off(results, monkeypatch):
     drawn, draw, powers = [], Text.draw, 0
     monkeypatch.setattr(Text, "draw", lambda text, of: drawn.append(text) or draw(text, of))
     wanted = [("rod", name) for name in ("page", "p", *CURVES)] + [("blast", "page")]
-    for run, name in wanted:
+    for case, name in wanted:
         drawn.clear()
-        figure = figure_of(results[run], name)
+        figure = figure_of(results[case], name)
         close = {axes.yaxis.get_offset_text() for axes in figure.axes}
         labels = {axes.yaxis.label for axes in figure.axes}
         shown = [text for text in {*drawn} if text.get_text().strip() and text.get_visible()]
@@ -171,7 +170,7 @@ def test_the_command_draws_and_compiles_nothing(tmp_path):
     nowhere = {"CC": "no-compiler", "FSIPETSC_CACHE": str(tmp_path / "cache")}
     lines = "geometry rod -o a/rod.png", "geometry box_mms -box_dimension 3"
     code = "import sys; from fsipetsc.cli import main; [main(x.split()) for x in sys.argv[1:]]"
-    done = well(helpers.run("-c", code, *lines, cwd=tmp_path, env=nowhere))
+    done = well(run("-c", code, *lines, cwd=tmp_path, env=nowhere))
     paths = re.findall(r"^all +[\d,]+ nodes, spacing .*\npicture in (\S+\.png)$", done.stdout, re.M)
     assert len(paths) == 2
     for path in paths:

@@ -1,5 +1,7 @@
 """The case `shock`: its exact solution, and what the runs keep and reach; a stronger one."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from block_ledgers import Steps, slab
@@ -25,11 +27,9 @@ _OFTEN = "-fsi_output_dt 0.05 -shock_problem"
 def results(tmp_path_factory):
     """Name of a run -> its result."""
     runs = {}
-    for name, end in PROBLEMS.items():
-        for order in ORDERS:
-            for h in SPACINGS:
-                words = f"-fsi_h {h} -fsi_order {order} {_OFTEN} {name} -ts_max_time {end}"
-                runs[f"{name}_{order}_{h}"] = "shock", words
+    for name, order, h in product(PROBLEMS, ORDERS, SPACINGS):
+        words = f"-fsi_h {h} -fsi_order {order} {_OFTEN} {name} -ts_max_time {PROBLEMS[name]}"
+        runs[f"{name}_{order}_{h}"] = "shock", words
     found = compute(1, tmp_path_factory.mktemp("shocks"), runs)
     return {name: kept(run, 1e-12) for name, run in found.items()}
 
