@@ -24,7 +24,7 @@ import numpy as np
 
 from fsipetsc.blocks.block import Block, Range, mesh
 from fsipetsc.blocks.block_problem import BlockProblem
-from fsipetsc.blocks.hull import blend_of, end_weights, hull_of
+from fsipetsc.blocks.hull import blend_of, end_weights, hull_of, nothing
 from fsipetsc.blocks.metrics import Wide, cube_of, slopes_across, slopes_along
 from fsipetsc.blocks.plane_grid import plane_motion
 from fsipetsc.checks import Array
@@ -59,8 +59,11 @@ class LineMotion(NamedTuple):
         self.hull.fill(self.hull.moved, known, 0)
         metrics[0, :] = 1.0
 
+    move = nothing
+    find_volumes = nothing
+
     def swing(self, known, metrics):
-        """Fill the velocity, after `move`."""
+        """Fill the velocity, after `edge` and `move`."""
         self.hull.fill(self.hull.moving, known, 1)
         ends = ends_of(self.hull.moving)
         for i in each(self.low.shape[0], vector=True):
@@ -77,7 +80,7 @@ class LineMotion(NamedTuple):
             places[0, i] = X[0, i] + self.between(i, *ends)
 
     def jacobian(self, metrics, node):
-        """det(D x) of a node, after `move` and `find_volumes`."""
+        """det(D x) of a node, after `find_volumes`."""
         at_low, at_high = ends_of(self.hull.moved)
         return self.slope[node] + (at_high - at_low)
 
@@ -210,6 +213,9 @@ class RadialMotion(NamedTuple):
             differentiate(self, k, self.slope, through)
             for i in each(inner.size, vector=True):
                 self.source[i] += self.slope[inner[i]]
+
+    move = nothing
+    find_volumes = nothing
 
     def swing(self, known, metrics):
         """Velocity of the grid, and turning."""

@@ -121,6 +121,10 @@ class Window(NamedTuple):
     sizes: Any
     images: Array
 
+    def number(self, x, y, z):
+        """The number of a node by its place in the range along each axis."""
+        return self.images.shape[1] + x + self.sizes[0] * (y + self.sizes[1] * z)
+
 
 class Blend(NamedTuple):
     """Three axes, None for those without faces, and how many nodes there are along them: those of a
@@ -202,6 +206,10 @@ def blend_of(
     return blend, window(wide.wide), window(wide.where)
 
 
+def nothing(grid, *given):
+    """What a grid need not do, as `edge` has found all."""
+
+
 def find_missing(blend, k, c, f):
     """Find what is missing at both faces of axis k; before the first axis all is."""
     axis, (a, b) = blend.axes[k], (m for m in range(3) if m != k)
@@ -220,7 +228,7 @@ def add_between(blend, c, out, window, base):
     nx, ny, nz = window.sizes
     for z in each(nz):
         for y in each(ny):
-            row = named(window.images.shape[1] + nx * (y + ny * z))
+            row = named(window.number(0, y, z))
             for x in each(nx, vector=True):
                 u = blend.between(range(3), c, (x0 + x, y0 + y, z0 + z))
                 u = 0.0 if u is None else u
@@ -237,11 +245,7 @@ def put_faces(blend, k, f, out, window, base):
             for j in each(sizes[b]):
                 for h in each(sizes[a]):
                     place = {k: i, a: h, b: j}
-                    at = (
-                        window.images.shape[1]
-                        + place[0]
-                        + sizes[0] * (place[1] + sizes[1] * place[2])
-                    )
+                    at = window.number(*(place[n] for n in range(3)))
                     m = blend.at_face(k, {n: first[n] + place[n] for n in range(3)})
                     value = f[pick(low, axis.columns[0, m], axis.columns[1, m])]
                     out[at] = value if base is None else base[at] + value

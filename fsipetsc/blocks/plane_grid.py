@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.blocks.block import Block
-from fsipetsc.blocks.hull import Hull, end_weights
+from fsipetsc.blocks.hull import Hull, end_weights, nothing
 from fsipetsc.blocks.metrics import Wide, slopes_along
 from fsipetsc.checks import Array
 from fsipetsc.equations.vectors import add, scale, sub
@@ -71,6 +71,9 @@ class PlaneMotion(NamedTuple):
                 metrics[1, at] = -(G[2, at] + x_2)
                 metrics[2, at] = -(G[1, at] + y_1)
                 metrics[3, at] = G[0, at] + x_1
+
+    move = nothing
+    find_volumes = nothing
 
     def swing(self, known, metrics):
         """Fill the velocity of the grid."""

@@ -39,14 +39,12 @@ def edge(part):
 def begin_grid(part):
     """Find a^k of a grid where it is now."""
     edge(part)
-    if len(part.like) == 3:
-        part.grid.move(part.metrics)
+    part.grid.move(part.metrics)
 
 
 def move(part):
     """Find where the grid is now, and a^k, as far as `edge` has not."""
-    if len(part.like) == 3:
-        part.grid.move(part.metrics)
+    part.grid.move(part.metrics)
     if part.form.raises:
         find_potential(part)
 
@@ -119,8 +117,7 @@ def find_places(part):
 
 def find_volumes(part):
     """Find J of the grid at the owned nodes."""
-    if len(part.like) == 3:
-        part.grid.find_volumes()
+    part.grid.find_volumes()
     for i in each(part.J.shape[0]):
         part.J[i] = part.grid.jacobian(part.metrics, ghosted_node(i, part.patch))
 
@@ -129,8 +126,7 @@ def monitor(part, found, y):
     """Note extremes and sums of the owned nodes."""
     if part.moves:
         find_places(part)
-        if len(part.like) == 3:
-            part.grid.find_volumes()
+        part.grid.find_volumes()
     q, metrics = owned(part, y, len(part.like) + 3), part.metrics
     if part.around:
         part.grid.bound(metrics)
