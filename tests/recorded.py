@@ -9,7 +9,9 @@ from fsipetsc.kernels.procedure import Code, Procedure
 def load(code: Code) -> None:
     """Compile and load all procedures of a code."""
     name = build.name_of(code.text)
-    code.load(build.loaded(build.kept(name) or build.keep(name, build.made(code.text))))
+    if build.lacks(name):
+        build.keep(name, *build.made([code.text]))
+    code.load(build.loaded(name, {}))
 
 
 def recorded(function: Any, *records: Any) -> Procedure:

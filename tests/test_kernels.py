@@ -154,7 +154,7 @@ def twice(path):
 def test_a_library_is_kept_and_a_damaged_one_is_not_taken(cache):
     text, name = simple()
     assert build.kept(name) is None
-    path = build.keep(name, build.made(text))
+    path = build.keep(name, *build.made([text]))
     assert build.kept(name) == path
     # what a process has loaded may not change on the disk: this one is damaged below
     assert twice(shutil.copy(path, cache / "copy.so")) == 42.0
@@ -184,14 +184,14 @@ def test_a_folder_that_others_can_write_to_is_refused(cache):
 
 def test_a_missing_compiler_is_told_and_not_needed_for_what_is_kept(cache, monkeypatch):
     text, name = simple()
-    build.keep(name, build.made(text))
+    build.keep(name, *build.made([text]))
     monkeypatch.setenv("PATH", str(cache))
     monkeypatch.setattr(build, "find_spec", lambda module: None)
     forget()
     assert simple()[1] == name
     assert twice(build.kept(name)) == 42.0
     with pytest.raises(InputError, match="no C compiler was found"):
-        build.made(text)
+        build.made([text])
     monkeypatch.setenv("CC", "no-such-compiler -x")
     forget()
     with pytest.raises(InputError, match="CC is 'no-such-compiler -x': no such program"):
@@ -210,7 +210,7 @@ from fsipetsc.kernels import build
 from fsipetsc.kernels.kernel import unit
 from fsipetsc.process.libraries import libraries
 if comm.rank == 1:
-    build.keep(simple()[1], build.made(simple()[0]))
+    build.keep(simple()[1], *build.made([simple()[0]]))
 comm.Barrier()
 texts = [simple()[0]] + [unit(f"double own(void) {{{{ return {{comm.rank}}.0; }}}}")]
 said = []

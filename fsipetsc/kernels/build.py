@@ -9,18 +9,18 @@ The environment: CC names the compiler, CFLAGS are more flags for it. FSIPETSC_C
 folder; else it is ``fsipetsc/libraries`` in XDG_CACHE_HOME or in the user's .cache.
 """
 
-import atexit
 import ctypes
 import hashlib
 import os
 import platform
+import re
 import shlex
 import shutil
 import stat
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import cache, wraps
 from importlib.util import find_spec
@@ -41,26 +41,20 @@ WIDE = "-mprefer-vector-width=512"
 #: with such vectors: gcc 12 tunes for other processors and reads numbers twice rather than keeping
 #: them in one of the 32 registers
 OF_GCC, TUNED = "-fno-tree-pre", "-mtune=skylake-avx512"
-#: flags that let results depend on the compiler
-REFUSED = (
-    *("-ffast-math", "-Ofast", "-funsafe-math-optimizations", "-fassociative-math"),
-    *("-freciprocal-math", "-ffinite-math-only", "-fno-signed-zeros", "-mrecip"),
-    *("-ffp-contract=fast", "-ffp-contract=on", "-ffp-model", "-fapprox-func", "-mdaz-ftz"),
-    *("-fno-honor-nans", "-fno-honor-infinities", "-fdenormal-fp-math", "-mfpmath"),
-    "-fsingle-precision-constant",
+#: how flags begin that let results depend on the compiler
+REFUSED = tuple(
+    "-ffast-math -Ofast -funsafe -fassociative -freciprocal -ffinite -fno-signed -mrecip "
+    "-ffp-contract=fast -ffp-contract=on -ffp-model -fapprox -mdaz -fno-honor -fdenormal -mfpmath "
+    "-fsingle".split()
 )
 MISSING = (
     "no C compiler was found, which computing needs: install gcc or clang (Debian: apt-get install "
     "gcc libc6-dev; conda: c-compiler; pip: ziglang), or name one by the variable CC"
 )
 
-
 #: whether this process says that it cannot keep libraries; of several ranks the first one does
 tells = True
-#: folders of this process
-_instead: list[Path] = []
-#: compilers at work
-_running: set[subprocess.Popen[bytes]] = set()
+_loaded: dict[str, ctypes.CDLL] = {}
 
 
 def of_environment(function: Callable[[], Any]) -> Any:
@@ -116,7 +110,8 @@ def _macros() -> bytes:
     InputError without a compiler.
     """
     asked = (*(flag for flag in FLAGS if flag != "-shared"), *_own_flags(), "-E", "-dM", "-xc")
-    return _run((*compiler(), *asked, os.devnull), "asking the C compiler for its target")
+    command = (*compiler(), *asked, os.devnull)
+    return _run([command], "asking the C compiler for its target")[0]
 
 
 @of_environment
@@ -133,19 +128,16 @@ def _target() -> bytes:
             return note.read_bytes()
         raise
     found = _hash(_macros(), " ".join((*compiler()[1:], *flags())).encode())
-    if not note.is_file() or note.read_bytes() != found:
-        with suppress(OSError):  # machines without a compiler alone need it
+    with suppress(OSError):  # machines without a compiler alone need it
+        if not note.is_file() or note.read_bytes() != found:
             _write(note, found)
     return found
 
 
 def _processor() -> bytes:
     """Return a text that tells apart processors with different instruction sets."""
-    lines = list[str]()
-    with suppress(OSError):
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-    known = next((line for line in lines if line.startswith(("flags", "Features"))), "")
-    return f"{platform.machine()} {platform.processor()} {known}".encode()
+    known = re.search("^(flags|Features).*", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
+    return f"{platform.machine()} {known and known[0]}".encode()
 
 
 def name_of(text: str) -> str:
@@ -160,84 +152,52 @@ def _hash(*parts: bytes) -> bytes:
 
 @cache
 def folder() -> Path:
-    """Where libraries are kept: the user's folder, or one for this process, with a warning, where
-    there can be none. InputError for a folder that others can write to.
-    """
+    """Where libraries are kept. InputError for a folder that others can write to."""
     given = os.environ.get("FSIPETSC_CACHE")
     home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
     place = Path(given) if given else Path(home) / "fsipetsc" / "libraries"
-    try:
-        place.mkdir(mode=0o700, parents=True, exist_ok=True)
+    with suppress(OSError):
         found = place.stat()
-    except OSError as error:
-        return _temporary(place, error.strerror)
-    if found.st_mode & (stat.S_IWGRP | stat.S_IWOTH) or found.st_uid != os.getuid():
-        raise InputError(
-            f"others can write to {place}, where compiled kernels are kept: take that right away "
-            "(chmod go-w), or name another folder by the variable FSIPETSC_CACHE"
-        )
+        if found.st_mode & (stat.S_IWGRP | stat.S_IWOTH) or found.st_uid != os.getuid():
+            raise InputError(
+                f"others can write to {place}, where compiled kernels are kept: take that right "
+                "away (chmod go-w), or name another folder by the variable FSIPETSC_CACHE"
+            )
     return place
-
-
-@cache
-def _temporary(place: Path, why: object) -> Path:
-    """A folder for this process alone, with a warning."""
-    _instead.append(made := Path(tempfile.mkdtemp(prefix="fsipetsc-")))
-    atexit.register(shutil.rmtree, made, True)
-    if tells:
-        print(
-            f"fsipetsc: warning: cannot keep compiled kernels in {place} ({why})", file=sys.stderr
-        )
-    return made
 
 
 def kept(name: str) -> Path | None:
     """The library of this name, if it is there and whole."""
-    for path in (place / name for place in (folder(), *_instead)):
-        with suppress(OSError):
-            content = path.read_bytes()
-            if content[-32:] == _hash(content[:-32]):
-                return path
+    path = folder() / name
+    with suppress(OSError):
+        content = path.read_bytes()
+        if content[-32:] == _hash(content[:-32]):
+            return path
     return None
 
 
-def made(text: str) -> bytes:
-    """The bytes of the library of a text in C, as they are kept; it takes seconds. InputError,
-    FileError.
+def keep(name: str, content: bytes) -> Path | None:
+    """Write a file where libraries are kept, and return where; None, with a warning, if it cannot
+    be written.
     """
+    path = folder() / name
     try:
-        with tempfile.TemporaryDirectory(prefix="fsipetsc-") as place:
-            source, result = os.path.join(place, "kernels.c"), os.path.join(place, "kernels.so")
-            Path(source).write_text(text)
-            _run((*compiler(), *flags(), source, "-o", result, "-lm"), "compiling kernels")
-            library = Path(result).read_bytes()
-            return library + _hash(library)
+        _write(path, content)
     except OSError as error:
-        raise FileError(f"compiling kernels failed: {error.filename}: {error.strerror}") from error
+        _warn(f"cannot keep compiled kernels in {path.parent} ({error.strerror})")
+        return None
+    return path
 
 
-def end_compilers() -> None:
-    """End the compilers that are at work."""
-    for process in tuple(_running):
-        process.kill()
-
-
-def keep(name: str, content: bytes) -> Path:
-    """Write a file where libraries are kept, and return where; where the folder can only be read,
-    in one for this process. FileError.
-    """
-    place = folder()
-    if not os.access(place, os.W_OK | os.X_OK):
-        place = _temporary(place, "it cannot be written")
-    try:
-        _write(place / name, content)
-    except OSError as error:
-        raise FileError(f"cannot keep compiled kernels in {place}: {error.strerror}") from error
-    return place / name
+@cache
+def _warn(text: str) -> None:
+    if tells:
+        print(f"fsipetsc: warning: {text}", file=sys.stderr)
 
 
 def _write(path: Path, content: bytes) -> None:
     """Write a file under another name first: who reads it has the old content or the new one."""
+    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     handle, part = tempfile.mkstemp(dir=path.parent, prefix=f"{path.name}.")
     try:
         with os.fdopen(handle, "wb") as file:
@@ -248,35 +208,65 @@ def _write(path: Path, content: bytes) -> None:
         raise
 
 
-@cache
-def loaded(path: Path) -> ctypes.CDLL:
-    """Load the library in a file. FileError."""
+def made(texts: Sequence[str]) -> list[bytes]:
+    """Compile texts in C, all at once, which takes seconds, and return the bytes of their
+    libraries, as they are kept. InputError, FileError.
+    """
     try:
-        return ctypes.CDLL(str(path))
+        with tempfile.TemporaryDirectory(prefix="fsipetsc-") as place:
+            paths = [os.path.join(place, f"kernels{k}") for k in range(len(texts))]
+            for path, text in zip(paths, texts):
+                Path(f"{path}.c").write_text(text)
+            command = (*compiler(), *flags())
+            _run([(*command, f"{p}.c", "-o", f"{p}.so", "-lm") for p in paths], "compiling kernels")
+            libraries = [Path(f"{path}.so").read_bytes() for path in paths]
     except OSError as error:
-        raise FileError(f"compiled kernels cannot be loaded from {path}: {error}") from error
+        raise FileError(f"compiling kernels failed: {error.filename}: {error.strerror}") from error
+    return [library + _hash(library) for library in libraries]
 
 
-def _run(command: tuple[str, ...], doing: str) -> bytes:
-    """What a command prints. InputError with its first line on stderr if it fails.
+def lacks(name: str) -> bool:
+    """Whether this process must be given the library of this name."""
+    return name not in _loaded and kept(name) is None
 
-    With close_fds=False Python starts it without a copy of this process, which MPI could not bear.
+
+def loaded(name: str, given: Mapping[str, bytes]) -> ctypes.CDLL:
+    """The library of this name, from where it is kept or from what is given by name. FileError."""
+    try:
+        if name not in _loaded and (path := kept(name)):
+            _loaded[name] = ctypes.CDLL(str(path))
+        elif name not in _loaded:
+            with tempfile.NamedTemporaryFile(prefix="fsipetsc-", suffix=".so") as file:
+                file.write(given[name])
+                file.flush()
+                _loaded[name] = ctypes.CDLL(file.name)
+    except OSError as error:
+        raise FileError(f"compiled kernels cannot be loaded: {error}") from error
+    return _loaded[name]
+
+
+def _run(commands: Sequence[Sequence[str]], doing: str) -> list[bytes]:
+    """What commands print, which run at the same time. InputError with the first error on stderr of
+    one that fails; whatever happens, none is left running.
+
+    With close_fds=False Python starts them without a copy of this process: MPI could not bear one.
     """
     pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    running, printed = list[subprocess.Popen[bytes]](), list[bytes]()
     try:
-        ended = subprocess.Popen(command, close_fds=False, **pipes)
+        for command in commands:
+            running.append(subprocess.Popen(command, close_fds=False, **pipes))
+        for process, command in zip(running, commands):
+            out, said = process.communicate()
+            printed.append(out)
+            if process.returncode != 0:
+                lines = said.decode(errors="replace").strip().splitlines() or ["no message"]
+                first = next((line for line in lines if "error" in line), lines[0])
+                first += f" (the command was: {shlex.join(command)})"
+                raise InputError(f"{doing} failed: {first}")
     except OSError as error:
-        raise InputError(f"{doing} failed: {command[0]}: {error.strerror}") from error
-    _running.add(ended)
-    try:
-        out, said = ended.communicate()
-    except BaseException:
-        ended.kill()
-        raise
+        raise InputError(f"{doing} failed: {commands[0][0]}: {error.strerror}") from error
     finally:
-        _running.discard(ended)
-    if ended.returncode != 0:
-        lines = said.decode(errors="replace").strip().splitlines() or ["no message"]
-        first = next((line for line in lines if "error" in line), lines[0])
-        raise InputError(f"{doing} failed: {first} (the command was: {shlex.join(command)})")
-    return out
+        for process in running:
+            process.kill()
+    return printed
