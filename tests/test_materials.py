@@ -137,7 +137,9 @@ WRONG = {
     "test_materials.py, line": lambda: elastic(
         lambda F: tuple(np.array(F) - np.eye(2).ravel()), energy=lambda F: LOG.energy(F)
     ),
-    "G_0 is 1, s is 0.2: expected G_0 of at most 4 s": lambda: mie_gruneisen(1.0, 0.2, 1.0, 300.0),
+    "G_0 is 1, s is 0.2: expected G_0 of at most 4 s": lambda: Solid(
+        **ROCK, pressing=mie_gruneisen(1.0, 0.2, 1.0, 300.0)
+    ),
 }
 
 

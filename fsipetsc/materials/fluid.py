@@ -39,18 +39,16 @@ class Fluid:
     def __post_init__(self) -> None:
         ranges = {"mu": NONNEGATIVE, "kappa": NONNEGATIVE, "gamma": "above 1", "R": POSITIVE}
         numbers(self, "Fluid", ranges)
-        object.__setattr__(self, "force", checked_force(self.force, "Fluid"))
+        object.__setattr__(self, "force", force_in(self.force, 0, "Fluid"))
         self.equations(len(self.force))
 
     @property
     def gas_law(self) -> Any:
-        """The equation of state as formulas."""
         law = PerfectGas(self.gamma, self.R) if self.law is None else self.law
         return own.checked_law(law, "Fluid: law", own.GAS)
 
     @property
     def transport_law(self) -> Any:
-        """Viscosity and conductivity as formulas."""
         transport = ConstantTransport() if self.transport is None else self.transport
         return own.checked_law(transport, "Fluid: transport", own.TRANSPORT)
 
@@ -64,25 +62,17 @@ class Fluid:
         return np.sqrt(self.gas_law.sound_speed_squared(rho, T))
 
     def equations(self, d: int, symmetry: int = 0) -> Gas:
-        """Its equations in d dimensions, or around an axis or a centre; InputError if force has not
-        d numbers.
-        """
+        """Its equations, also around an axis or a centre; InputError if force has not d numbers."""
         force, kind = force_in(self.force, d, "Fluid"), RadialGas if symmetry else Gas
         return kind(self.gas_law, self.transport_law, self.mu, self.kappa, force)
 
 
-def checked_force(force: Any, owner: str) -> tuple[float, ...]:
-    """A body force [m/s2], a number or up to three, as a tuple; InputError."""
-    given = force if isinstance(force, (tuple, list)) else (force,)
-    if not 1 <= len(given) <= 3:
-        raise InputError(f"{owner}: force is {described(force)}: expected 1 to 3 numbers [m/s2]")
-    return tuple(number(b, f"{owner}: force[{k}]", ANY, "m/s2") for k, b in enumerate(given))
-
-
 def force_in(force: Any, d: int, owner: str) -> tuple[float, ...]:
-    """A checked body force as d numbers; InputError if it is given with others, but for 0."""
-    if not any(force):
+    """A body force [m/s2], a number or several, as d numbers, 0: as many as it has. InputError."""
+    given = force if isinstance(force, (tuple, list)) else (force,)
+    if d and not any(given):
         return (0.0,) * d
-    if len(force) != d:
-        raise InputError(f"{owner}: force is {described(force)}: expected {d} numbers [m/s2]")
-    return tuple(force)
+    if len(given) not in ((d,) if d else (1, 2, 3)):
+        wanted = f"expected {d or '1 to 3'} numbers [m/s2]"
+        raise InputError(f"{owner}: force is {described(force)}: {wanted}")
+    return tuple(number(b, f"{owner}: force[{k}]", ANY, "m/s2") for k, b in enumerate(given))

@@ -1,5 +1,6 @@
 """Laws of hyperelastic solids with Lamé's constants: the stress P = dW/dF [Pa], the energy W
-[J/m3], the acoustic tensor Q [Pa] of waves along N, and a bound of its eigenvalues; J = det F.
+[J/m3], the acoustic tensor Q [Pa] of waves along N, and a bound of its eigenvalues, the m0 c^2 of
+waves in any direction; J = det F. Under the pressure p_ref F = 1.
 
 Near F = 1 energies are of second order. They are computed of such parts, without differences of
 larger numbers: j = J - 1, j - ln J, and |F|^2 - d - (J^2 - 1).
@@ -39,8 +40,6 @@ class NeoHookean(NamedTuple):
         s = (lambda_e (1 - ln J) + mu_e)/J^2
 
     P. Wriggers, Nonlinear Finite Element Methods (2008), section 3.3.
-
-    mu_e, lambda_e: Lamé's constants [Pa], p_ref: pressure under which F = 1 [Pa].
     """
 
     mu_e: float
@@ -63,7 +62,6 @@ class NeoHookean(NamedTuple):
         return add_unit(self.mu_e, outer(scale(self._s(F), a), a))
 
     def wave_modulus(self, F):
-        """The largest m0 c^2 [Pa] of waves in any direction."""
         return self.mu_e + np.maximum(self._s(F), 0.0) * largest_stretch(cofactor(F))
 
     def _s(self, F):
@@ -99,10 +97,8 @@ class Log(NeoHookean):
 class StVenantKirchhoff(NamedTuple):
     """Hooke's law for the strain of Green.
 
-        W = lambda_e/2 tr(E)^2 + mu_e |E|^2 - p_ref (J - 1),    S = lambda_e tr(E) + 2 mu_e E
-        E = (F^T F - 1)/2,    P = F S - p_ref cof F
-
-    mu_e, lambda_e: Lamé's constants [Pa], p_ref: pressure under which F = 1 [Pa].
+    W = lambda_e/2 tr(E)^2 + mu_e |E|^2 - p_ref (J - 1),    S = lambda_e tr(E) + 2 mu_e E
+    E = (F^T F - 1)/2,    P = F S - p_ref cof F
     """
 
     mu_e: float
@@ -133,7 +129,7 @@ class StVenantKirchhoff(NamedTuple):
         return add_unit(dot(N, apply(self._hooke(F), N)), add(along_it, across))
 
     def wave_modulus(self, F):
-        """Upper bound of m0 c^2 [Pa]: K |F N|^2 + N . S N."""
+        """K |F N|^2 + N . S N."""
         pull = largest_eigenvalue(self._hooke(F))
         return (2.0 * self.mu_e + self.lambda_e) * largest_stretch(F) + pull
 

@@ -7,20 +7,20 @@ with all formulas, as those in this folder.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache, reduce
+from functools import cache, partial, reduce
 from itertools import count, islice
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.checks import described
+from fsipetsc.checks import described, number
 from fsipetsc.equations.tensors import apply
 from fsipetsc.equations.vectors import add
 from fsipetsc.errors import InputError, place_in, place_of, reason
 from fsipetsc.kernels.symbols import NotRecorded, Record, Replay, Symbol, derivatives, numbers_of
 from fsipetsc.materials.hyperelastic import NeoHookean
 from fsipetsc.materials.solid_pressure import ConstantPressure
-from fsipetsc.materials.stiffened_gas import PerfectGas, StiffenedGas
+from fsipetsc.materials.stiffened_gas import PerfectGas
 from fsipetsc.materials.sutherland import ConstantTransport
 
 Formula = Callable[..., Any]
@@ -58,8 +58,7 @@ def gradient(formula, F):
 class OwnGas(NamedTuple):
     """A gas law of a case, like PerfectGas."""
 
-    def energy_density(self, rho, T):
-        return rho * self.internal_energy(rho, T)
+    energy_density = PerfectGas.energy_density
 
     def heat_capacity(self, rho, T):
         return along(self.internal_energy, (rho, T), (0.0, 1.0))
@@ -110,10 +109,6 @@ class OwnPressure(NamedTuple):
         return -J * along(self.pressure, (J, T, m0, alpha), (1.0, 0.0, 0.0, 0.0))
 
 
-class OwnTransport(NamedTuple):
-    """A transport law of a case."""
-
-
 # what makes laws
 
 
@@ -149,7 +144,7 @@ def transport_law(viscosity: Formula, conductivity: Formula | None = None) -> An
         conductivity: `conductivity(T)` returns kappa(T)/kappa; None: the same function.
     """
     formulas = {"viscosity": viscosity, "conductivity": conductivity or viscosity}
-    return _law_of(OwnTransport, "transport_law", 1, formulas)
+    return _law_of(ConstantTransport, "transport_law", 1, formulas)
 
 
 def solid_law(*, stress: Formula, energy: Formula | None = None) -> Any:
@@ -178,10 +173,10 @@ def pressure_law(pressure: Formula) -> Any:
 
 def _law_of(kind: type, maker: str, arguments: int, formulas: Mapping[str, Any]) -> Any:
     """A law of functions of so many numbers, 0: they are checked later, or None. InputError."""
-    given = {name: formula for name, formula in formulas.items() if formula is not None}
-    for name, formula in given.items() if arguments else ():
-        _check_recorded(f"{maker}: {name}", formula, [0] * arguments)
-    return _class(kind, maker, tuple(given.items()))()
+    given = tuple((name, formula) for name, formula in formulas.items() if formula is not None)
+    for name, formula in given if arguments else ():
+        _check(f"{maker}: {name}", formula, _symbols(*[0] * arguments), numbers_of)
+    return _class(kind, maker, given)()
 
 
 @cache
@@ -194,14 +189,22 @@ def _class(kind: type, name: str, formulas: tuple[tuple[str, Formula], ...]) -> 
 
 
 def checked_law(law: Any, what: str, kind: tuple[str, type]) -> Any:
-    """The law; InputError if it lacks a formula of its kind."""
+    """The law with floats as its numbers; InputError if it lacks a formula of its kind, or has
+    numbers out of its ``ranges``.
+    """
     maker, like = kind
     for name in dir(like):
         if name[0] != "_" and name not in like._fields and not hasattr(law, name):
             expected = f"expected what {maker}(…) returns"
             raise InputError(f"{what} is {described(law)}, which has no '{name}': {expected}")
-    numbers = law if isinstance(law, tuple) else ()
-    return type(law)(*(float(v) if type(v) is int else v for v in numbers)) if numbers else law
+    law = type(law)(*(float(v) if type(v) is int else v for v in law))
+    bounds = law.ranges() if hasattr(law, "ranges") else ()
+    for name, value, bound in zip(law._fields, law, bounds):
+        if value is not None:
+            law = law._replace(**{name: number(value, f"{what}: {name}", bound)})
+    if hasattr(law, "check"):
+        law.check()
+    return law
 
 
 def knows_entropy(law: Any) -> bool:
@@ -217,8 +220,6 @@ def check_inverses(law: Any, rho: Any, T: Any, owner: str) -> None:
 
     rho, T: (n,) densities [kg/m3] and temperatures [K].
     """
-    if isinstance(law, (PerfectGas, StiffenedGas)):
-        return
     with np.errstate(all="ignore"):
         p, e = law.pressure(rho, T), law.internal_energy(rho, T)
         pairs = {
@@ -238,10 +239,14 @@ def check_solid_law(law: Any, d: int) -> None:
         return
     n = d * d
     shapes = {"stress": ([n], n), "energy": ([n], 0), "wave_modulus": ([n], 0)}
-    for name, shape in {**shapes, "acoustic_tensor": ([n, d], n)}.items():
-        _check_recorded(f"solid_law: {name}", getattr(law, name), *shape)
+    for name, (given, wanted) in {**shapes, "acoustic_tensor": ([n, d], n)}.items():
+        returns = partial(numbers_of, count=wanted)
+        _check(f"solid_law: {name}", getattr(law, name), _symbols(*given), returns)
     F = tuple((np.eye(d).ravel() + 0.03 * np.cos(np.arange(n))).tolist())
-    _check_on_arrays(law, F)
+    nodes = [tuple(np.full(2, entry) for entry in F)]
+    what = "of entries that are arrays"
+    _check(f"solid_law: stress {what}", law.stress, nodes, lambda P: np.broadcast_arrays(*P, F[:2]))
+    _check(f"solid_law: energy {what}", law.energy, nodes, lambda W: np.broadcast_to(W, 2))
     P = law.stress(F)
     slopes = gradient(law.energy, F) if knows_energy(law) else P
     if not np.allclose(slopes, P, rtol=0.0, atol=1e-5 * max(*map(abs, P), law.wave_modulus(F))):
@@ -249,29 +254,17 @@ def check_solid_law(law: Any, d: int) -> None:
         raise InputError(f"solid_law: stress is not the derivative of energy: {wrong}")
 
 
-def _check_on_arrays(law: Any, F: Sequence[float]) -> None:
-    """InputError if stress or energy of a law cannot be had at two nodes at once."""
-    for name in ("stress", "energy"):
-        formula = getattr(law, name)
-        try:
-            found = formula(tuple(np.full(2, entry) for entry in F))
-            for values in found if name == "stress" else (found,):
-                np.broadcast_to(values, 2)
-        except Exception as error:  # of the user's function
-            place = place_in(error) or place_of(formula)
-            what = f"{name} of entries that are arrays: {place}: {reason(error)}"
-            raise InputError(f"solid_law: {what}") from error
-
-
-def _check_recorded(what: str, formula: Formula, given: Sequence[int], wanted: int = 0) -> None:
-    """InputError if a formula cannot be recorded, or does not return what it should. given, wanted:
-    its arguments and what it returns: 0 for a number, else a tuple of so many numbers.
-    """
+def _symbols(*counts: int) -> list[Any]:
+    """Symbols that a formula may take: 0 for one, else a tuple of so many."""
     record = Record()
     numbers = map(record.given, (f"x{k}" for k in count()))
+    return [tuple(islice(numbers, n)) if n else next(numbers) for n in counts]
+
+
+def _check(what: str, formula: Formula, given: Sequence[Any], returns: Formula) -> None:
+    """InputError if a formula cannot take what is given, or ``returns`` refuses what it returns."""
     try:
-        found = formula(*(tuple(islice(numbers, n)) if n else next(numbers) for n in given))
-        numbers_of(found, wanted)
+        returns(formula(*given))
     except Exception as error:  # of the user's function
         inside = place_in(error)
         told = isinstance(error, NotRecorded) and inside  # the error says where

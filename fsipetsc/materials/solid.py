@@ -7,9 +7,9 @@ from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, described, numbers
 from fsipetsc.equations.solid import Solid as Equations
 from fsipetsc.errors import InputError
 from fsipetsc.materials import own
-from fsipetsc.materials.fluid import checked_force, force_in
+from fsipetsc.materials.fluid import force_in
 from fsipetsc.materials.hyperelastic import LinearElastic, Log, NeoHookean, StVenantKirchhoff
-from fsipetsc.materials.solid_pressure import ConstantPressure, Gruneisen
+from fsipetsc.materials.solid_pressure import ConstantPressure, gruneisen
 
 #: laws by name
 LAWS = {"log": Log, "neo-hookean": NeoHookean, "svk": StVenantKirchhoff, "linear": LinearElastic}
@@ -56,15 +56,13 @@ class ElasticSolid:
         if self.heat not in ("coupled", "elastic"):
             wanted = "expected 'coupled' or 'elastic'"
             raise InputError(f"ElasticSolid: heat is {described(self.heat)}: {wanted}")
-        object.__setattr__(self, "force", checked_force(self.force, "ElasticSolid"))
-        law = self.solid_law
+        object.__setattr__(self, "force", force_in(self.force, 0, "ElasticSolid"))
+        law, _ = self.solid_law, self.pressure_law  # which checks both
         if self.heat == "elastic" and not own.knows_energy(law):
             raise InputError("ElasticSolid: no formula energy(F), which heat='elastic' needs")
-        self.pressure_law  # noqa: B018  (checks it)
 
     @property
     def solid_law(self) -> Any:
-        """The stress as formulas."""
         if not isinstance(self.law, str):
             return own.checked_law(self.law, "ElasticSolid: law", own.SOLID)
         if self.law not in LAWS:
@@ -76,7 +74,6 @@ class ElasticSolid:
 
     @property
     def pressure_law(self) -> Any:
-        """The pressure as a formula."""
         law = ConstantPressure() if self.pressing is None else self.pressing
         return own.checked_law(law, "ElasticSolid: pressing", own.PRESSURE)
 
@@ -166,14 +163,12 @@ class Solid:
 
     @property
     def pressure_law(self) -> Any:
-        """The pressure as a formula."""
         if self.pressing is not None:
             return own.checked_law(self.pressing, "Solid: pressing", own.PRESSURE)
-        return Gruneisen(self.gruneisen) if self.gruneisen > 0.0 else ConstantPressure()
+        return gruneisen(self.gruneisen) if self.gruneisen > 0.0 else ConstantPressure()
 
     @property
     def elastic(self) -> Elastic:
-        """The material as formulas."""
         return Elastic(self.pressure_law, self.K, self.kappa_e, self.m0, self.alpha, self.force)
 
     def pressure(self, T: Any, x_X: Any = 1.0) -> Any:

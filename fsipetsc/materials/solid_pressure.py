@@ -1,8 +1,10 @@
-"""Pressures of solids p(J, T), J = det F, which add -p cof F to the stress."""
+"""Pressures of solids p(J, T), J = det F, which add -p cof F to the stress. m0: density at rest
+[kg/m3], alpha: specific heat [J/(kg K)].
+"""
 
 from typing import NamedTuple
 
-from fsipetsc.checks import NONNEGATIVE, POSITIVE, number
+from fsipetsc.checks import NONNEGATIVE, POSITIVE
 from fsipetsc.errors import InputError
 
 
@@ -12,7 +14,6 @@ class ConstantPressure(NamedTuple):
     p: float = 0.0
 
     def pressure(self, J, T, m0, alpha):
-        """p [Pa]."""
         return self.p
 
     def pressure_by_temperature(self, J, T, m0, alpha):
@@ -24,10 +25,17 @@ class ConstantPressure(NamedTuple):
         return 0.0
 
 
-class Gruneisen(NamedTuple):
-    """G: Grüneisen's number; see `gruneisen`."""
+class gruneisen(NamedTuple):
+    """Grüneisen's pressure, for `ElasticSolid(pressing=…)`: p = G rho alpha T, rho = m0/J.
+
+    Args:
+        G: Grüneisen's number.
+    """
 
     G: float
+
+    def ranges(self):
+        return (NONNEGATIVE,)
 
     def pressure(self, J, T, m0, alpha):
         return self.G * m0 * alpha * T / J
@@ -36,16 +44,36 @@ class Gruneisen(NamedTuple):
         return self.G * m0 * alpha / J
 
     def stiffness(self, J, T, m0, alpha):
-        return self.G * m0 * alpha * T / J
+        return self.pressure(J, T, m0, alpha)
 
 
-class MieGruneisen(NamedTuple):
-    """See `mie_gruneisen`; formulas as those of ConstantPressure."""
+class mie_gruneisen(NamedTuple):
+    """Mie and Grüneisen's pressure, for `pressing=…`: of shocks with the speed u_s = c_0 + s u_p.
+
+    With eta = 1 - J, for -1/s < eta < 1/s, and p_H = m0 c_0^2 eta/(1 - s eta)^2:
+    p = p_H (1 - G_0 eta/2) + G_0 m0 alpha (T - T_0).
+
+    Source: M. A. Meyers, Dynamic Behavior of Materials (1994), chapters 4 and 5.
+
+    Args:
+        c_0: speed of weak shocks [m/s].
+        s: slope of the Hugoniot.
+        G_0: Grüneisen's number at rest, at most 4 s, so that compression stiffens.
+        T_0: temperature ahead of the shocks [K].
+    """
 
     c_0: float
     s: float
     G_0: float
     T_0: float
+
+    def ranges(self):
+        return POSITIVE, NONNEGATIVE, NONNEGATIVE, POSITIVE
+
+    def check(self):
+        if self.G_0 > 4.0 * self.s:
+            wanted = "expected G_0 of at most 4 s"
+            raise InputError(f"mie_gruneisen: G_0 is {self.G_0:g}, s is {self.s:g}: {wanted}")
 
     def pressure(self, J, T, m0, alpha):
         eta = 1.0 - J
@@ -62,37 +90,3 @@ class MieGruneisen(NamedTuple):
         room, shift = 1.0 - self.s * eta, 0.5 * self.G_0 * eta
         slope = (1.0 + self.s * eta) / room * (1.0 - shift) - shift
         return J * m0 * self.c_0 * self.c_0 * slope / (room * room)
-
-
-def gruneisen(G: float) -> Gruneisen:
-    """Grüneisen's pressure, for `ElasticSolid(pressing=…)`: p = G rho alpha T, rho = m0/J.
-
-    Args:
-        G: Grüneisen's number.
-    """
-    return Gruneisen(number(G, "gruneisen: G", NONNEGATIVE))
-
-
-def mie_gruneisen(c_0: float, s: float, G_0: float, T_0: float) -> MieGruneisen:
-    """Mie and Grüneisen's pressure, for `pressing=…`: of shocks with the speed u_s = c_0 + s u_p.
-
-    With eta = 1 - J, for -1/s < eta < 1/s, and p_H = m0 c_0^2 eta/(1 - s eta)^2:
-    p = p_H (1 - G_0 eta/2) + G_0 m0 alpha (T - T_0).
-
-    Source: M. A. Meyers, Dynamic Behavior of Materials (1994), chapters 4 and 5.
-
-    Args:
-        c_0: speed of weak shocks [m/s].
-        s: slope of the Hugoniot.
-        G_0: Grüneisen's number at rest, at most 4 s, so that compression stiffens.
-        T_0: temperature ahead of the shocks [K].
-    """
-    law = MieGruneisen(
-        number(c_0, "mie_gruneisen: c_0", POSITIVE, "m/s"),
-        number(s, "mie_gruneisen: s", NONNEGATIVE),
-        number(G_0, "mie_gruneisen: G_0", NONNEGATIVE),
-        number(T_0, "mie_gruneisen: T_0", POSITIVE, "K"),
-    )
-    if law.G_0 > 4.0 * law.s:
-        raise InputError(f"mie_gruneisen: G_0 is {G_0:g}, s is {s:g}: expected G_0 of at most 4 s")
-    return law

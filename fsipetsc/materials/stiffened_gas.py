@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fsipetsc.checks import NONNEGATIVE, POSITIVE, number
+from fsipetsc.checks import NONNEGATIVE, POSITIVE
 
 
 class PerfectGas(NamedTuple):
@@ -22,12 +22,22 @@ class PerfectGas(NamedTuple):
     def pressure(self, rho, T):
         return rho * (self.R * T)
 
+    bulk_modulus = pressure  # rho dp/drho at constant T [Pa]
+
+    def pressure_by_temperature(self, rho, T):
+        """dp/dT at constant rho [Pa/K]."""
+        return self.R * rho
+
     def internal_energy(self, rho, T):
-        return self.R / (self.gamma - 1.0) * T
+        return self.heat_capacity(rho, T) * T
 
     def energy_density(self, rho, T):
         """rho e [J/m3]."""
-        return rho * (self.R / (self.gamma - 1.0) * T)
+        return rho * self.internal_energy(rho, T)
+
+    def heat_capacity(self, rho, T):
+        """cv [J/(kg K)]."""
+        return self.R / (self.gamma - 1.0)
 
     def temperature(self, rho, e):
         return (self.gamma - 1.0) / self.R * e
@@ -38,67 +48,14 @@ class PerfectGas(NamedTuple):
     def temperature_of(self, rho, p):
         return p / (self.R * rho)
 
-    def heat_capacity(self, rho, T):
-        """cv [J/(kg K)]."""
-        return self.R / (self.gamma - 1.0)
-
     def sound_speed_squared(self, rho, T):
         return self.gamma * self.R * T
 
     def entropy(self, rho, T):
-        return self.R / (self.gamma - 1.0) * np.log(T) - self.R * np.log(rho)
-
-    def bulk_modulus(self, rho, T):
-        """rho dp/drho at constant T [Pa]."""
-        return rho * (self.R * T)
-
-    def pressure_by_temperature(self, rho, T):
-        """dp/dT at constant rho [Pa/K]."""
-        return self.R * rho
+        return self.heat_capacity(rho, T) * np.log(T) - self.R * np.log(rho)
 
 
-class StiffenedGas(NamedTuple):
-    """gamma: ratio of the specific heats [-], cv: specific heat [J/(kg K)], p_inf: [Pa]."""
-
-    gamma: float
-    cv: float
-    p_inf: float
-
-    def pressure(self, rho, T):
-        return (self.gamma - 1.0) * self.cv * rho * T - self.p_inf
-
-    def internal_energy(self, rho, T):
-        return self.cv * T + self.p_inf / rho
-
-    def energy_density(self, rho, T):
-        return self.cv * rho * T + self.p_inf
-
-    def temperature(self, rho, e):
-        return (e - self.p_inf / rho) / self.cv
-
-    def density(self, p, T):
-        return (p + self.p_inf) / ((self.gamma - 1.0) * self.cv * T)
-
-    def temperature_of(self, rho, p):
-        return (p + self.p_inf) / ((self.gamma - 1.0) * self.cv * rho)
-
-    def heat_capacity(self, rho, T):
-        return self.cv
-
-    def sound_speed_squared(self, rho, T):
-        return self.gamma * (self.gamma - 1.0) * self.cv * T
-
-    def entropy(self, rho, T):
-        return self.cv * (np.log(T) - (self.gamma - 1.0) * np.log(rho))
-
-    def bulk_modulus(self, rho, T):
-        return (self.gamma - 1.0) * self.cv * rho * T
-
-    def pressure_by_temperature(self, rho, T):
-        return (self.gamma - 1.0) * self.cv * rho
-
-
-def stiffened_gas(gamma: float, cv: float, p_inf: float) -> StiffenedGas:
+class stiffened_gas(NamedTuple):
     """A liquid, for `Fluid(law=…)`: p = (gamma - 1) rho cv T - p_inf, e = cv T + p_inf/rho.
 
     Source: F. H. Harlow and A. A. Amsden, Fluid Dynamics, LA-4700 (1971).
@@ -108,8 +65,43 @@ def stiffened_gas(gamma: float, cv: float, p_inf: float) -> StiffenedGas:
         cv: specific heat at constant volume [J/(kg K)].
         p_inf: stiffness [Pa].
     """
-    return StiffenedGas(
-        number(gamma, "stiffened_gas: gamma", "above 1"),
-        number(cv, "stiffened_gas: cv", POSITIVE, "J/(kg K)"),
-        number(p_inf, "stiffened_gas: p_inf", NONNEGATIVE, "Pa"),
-    )
+
+    gamma: float
+    cv: float
+    p_inf: float
+
+    def ranges(self):
+        return "above 1", POSITIVE, NONNEGATIVE
+
+    def pressure(self, rho, T):
+        return self.bulk_modulus(rho, T) - self.p_inf
+
+    def bulk_modulus(self, rho, T):
+        return (self.gamma - 1.0) * self.cv * rho * T
+
+    def pressure_by_temperature(self, rho, T):
+        return (self.gamma - 1.0) * self.cv * rho
+
+    def internal_energy(self, rho, T):
+        return self.cv * T + self.p_inf / rho
+
+    def energy_density(self, rho, T):
+        return self.cv * rho * T + self.p_inf
+
+    def heat_capacity(self, rho, T):
+        return self.cv
+
+    def temperature(self, rho, e):
+        return (e - self.p_inf / rho) / self.cv
+
+    def density(self, p, T):
+        return (p + self.p_inf) / ((self.gamma - 1.0) * self.cv * T)
+
+    def temperature_of(self, rho, p):
+        return self.density(p, rho)  # density and T are alike in p
+
+    def sound_speed_squared(self, rho, T):
+        return self.gamma * (self.gamma - 1.0) * self.cv * T
+
+    def entropy(self, rho, T):
+        return self.cv * (np.log(T) - (self.gamma - 1.0) * np.log(rho))

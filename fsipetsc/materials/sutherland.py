@@ -4,11 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fsipetsc.checks import NONNEGATIVE, POSITIVE, number
+from fsipetsc.checks import NONNEGATIVE, POSITIVE
 
 
 class ConstantTransport(NamedTuple):
-    """mu and kappa are those of the material, times a factor; T [K]."""
+    """mu and kappa are those of the material, times a factor."""
 
     factor: float = 1.0
 
@@ -16,27 +16,10 @@ class ConstantTransport(NamedTuple):
         """mu(T)/mu."""
         return self.factor
 
-    def conductivity(self, T):
-        """kappa(T)/kappa."""
-        return self.factor
+    conductivity = viscosity  # kappa(T)/kappa
 
 
-class Sutherland(NamedTuple):
-    """mu and kappa are those of the material at T_ref; all [K]."""
-
-    T_ref: float
-    S: float
-    S_kappa: float
-
-    def viscosity(self, T):
-        ratio = T / self.T_ref
-        return ratio * np.sqrt(ratio) * ((self.T_ref + self.S) / (T + self.S))
-
-    def conductivity(self, T):
-        return self._replace(S=self.S_kappa).viscosity(T)
-
-
-def sutherland(T_ref: float, S: float, S_kappa: float | None = None) -> Sutherland:
+class sutherland(NamedTuple):
     """For `Fluid(transport=…)`: mu(T)/mu = (T/T_ref)^(3/2) (T_ref + S)/(T + S), and so for kappa.
 
     Source: W. Sutherland, Philosophical Magazine 36 (1893) 507. S of gases: F. M. White, Viscous
@@ -47,8 +30,18 @@ def sutherland(T_ref: float, S: float, S_kappa: float | None = None) -> Sutherla
         S: Sutherland's temperature of the viscosity [K].
         S_kappa: that of the conductivity [K]; None: S.
     """
-    return Sutherland(
-        number(T_ref, "sutherland: T_ref", POSITIVE, "K"),
-        number(S, "sutherland: S", NONNEGATIVE, "K"),
-        number(S if S_kappa is None else S_kappa, "sutherland: S_kappa", NONNEGATIVE, "K"),
-    )
+
+    T_ref: float
+    S: float
+    S_kappa: float | None = None
+
+    def ranges(self):
+        return POSITIVE, NONNEGATIVE, NONNEGATIVE
+
+    def viscosity(self, T):
+        ratio = T / self.T_ref
+        return ratio * np.sqrt(ratio) * ((self.T_ref + self.S) / (T + self.S))
+
+    def conductivity(self, T):
+        S = self.S if self.S_kappa is None else self.S_kappa
+        return self._replace(S=S).viscosity(T)

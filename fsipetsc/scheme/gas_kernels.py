@@ -15,12 +15,12 @@ from fsipetsc.equations.gas import NEAR
 from fsipetsc.equations.tensors import outer
 from fsipetsc.equations.vectors import add, along, mean, scale, sub
 from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel, interlaced
-from fsipetsc.materials.stiffened_gas import PerfectGas, StiffenedGas
+from fsipetsc.materials.stiffened_gas import PerfectGas, stiffened_gas
 from fsipetsc.scheme.gas_force import with_force
 from fsipetsc.scheme.sweep import KINDS, store
 
 #: laws whose entropy the two-point flux of fsipetsc.equations.gas conserves
-CONSERVED = PerfectGas, StiffenedGas
+CONSERVED = PerfectGas, stiffened_gas
 
 
 class Form(NamedTuple):
