@@ -41,7 +41,7 @@ from fsipetsc.equations.vectors import choose
 from fsipetsc.kernels.arrays import Array
 from fsipetsc.kernels.loops import each, stop, variable
 from fsipetsc.operators.sbp import row_length
-from fsipetsc.paper.layers import Layer, place_in
+from fsipetsc.paper.layers import Layer, swapped
 from fsipetsc.parallel.exchange import Route
 
 #: the conductivity at the interface has the temperature that it leads to, but for this fraction, or
@@ -114,36 +114,20 @@ class Rows:
 
 
 def interface_of(
-    kind: str,
-    pair: Sequence[Layer],
-    me: int,
-    number: int,
-    notes: Array,
-    rooms: Array,
-    memory: Array,
+    pair: Sequence[Layer], me: int, number: int, kind: str, notes: Array
 ) -> tuple[Interface, list[Route]]:
     """An interface of gas and solid, and what rank ``me`` exchanges for it with others.
 
-    The ranks that own the two sides there have all rows of them. Each of two gets the rows of the
-    other one in a room, (unknowns, points), and both solve the same small system.
+    The ranks that own the two sides there have all rows of them. Each of two tells the other one
+    its rows, and both solve the same small system.
     """
-    n, inwards = rooms.shape[-1], (1, -1) if pair[0].side else (-1, 1)
+    rows, inwards = np.arange(row_length(pair[0].op)), (1, -1) if pair[0].side else (-1, 1)
+    first = [int(v.lo if step > 0 else v.hi) for v, step in zip(pair, inwards)]
     owners = [v.share.ranks[0 if step > 0 else -1] for v, step in zip(pair, inwards)]
+    places = [v.places(at + step * rows) for v, at, step in zip(pair, first, inwards)]
     here = tuple(owner == me for owner in owners)
-    sides, first, places = [], [], []
-    each_room = np.split(rooms[number], [len(pair[0].local)])
-    for layer, step, own, room in zip(pair, inwards, here, each_room, strict=True):
-        side = layer if own else layer._replace(local=room, active=np.array([0, n - 1]))
-        at = place_in(memory if own else rooms, side.local)
-        rows = at + side.local.shape[1] * np.arange(len(side.local))[:, None]
-        sides.append(side)
-        first.append(int(side.lo if step > 0 else side.hi))
-        places.append((rows + first[-1] + step * np.arange(n)).ravel())
-    one = Interface(kind, *sides, tuple(first), np.zeros(4), notes, number, here)
-    if here[0] == here[1]:
-        return one, []
-    mine, other = here.index(True), here.index(False)
-    return one, [Route({owners[other]: places[mine]}, {owners[other]: places[other]})]
+    one = Interface(kind, *pair, tuple(first), np.zeros(4), notes, number, here)
+    return one, swapped(me, owners, places)
 
 
 def note(of):

@@ -277,10 +277,10 @@ def fill_ghost(layer, new=False):
     """Give the ghost point its values, where a rank has the points that this takes: all who need it
     do. new: it has no values yet.
     """
-    n, kind, q = layer.local.shape[1], end_of(layer), layer.local
+    (first, beyond), kind, q = layer.known, end_of(layer), layer.local
     ghost = named(layer.hi if layer.side else layer.lo)
     last = ghost + (1 - 2 * layer.side) * depth_of(layer.op)
-    with when((0 <= ghost) & (ghost < n) & (0 <= last) & (last < n)):
+    with when((first <= ghost) & (ghost < beyond) & (first <= last) & (last < beyond)):
         end = kind(layer, ghost)
         for v in (end.rho, end.u, end.T) if new else ():
             # without data the highest difference is left, which vanishes
@@ -303,9 +303,10 @@ def move_boundary(layer, results):
     with when(cells < 1e15):
         below = whole(cells)
         target = below + pick(number(below) < cells, 1, 0)
-        for _ in each(layer.size):
+        size = layer.local.shape[1]
+        for _ in each(size):
             stop(layer.hi - layer.lo >= target)
-            exhausted = active[side] + layer.first == (layer.size - 1 if side else 0)
+            exhausted = active[side] == (size - 1 if side else 0)
             with when(exhausted):
                 results[EXHAUSTED] = 1.0 + number(layer.number)
             stop(exhausted)

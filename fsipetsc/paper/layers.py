@@ -5,6 +5,8 @@ x. Some points of a gas are held in reserve, on its outer side.
 """
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from math import prod
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,7 +23,7 @@ from fsipetsc.paper.ends import OF_GAS, degree_of
 from fsipetsc.paper.rates import PIECE, ROWS, Gas
 from fsipetsc.paper.stencils import halo_of_rates
 from fsipetsc.parallel.block_shares import Extent, Share, share_out
-from fsipetsc.parallel.exchange import Reach, Route
+from fsipetsc.parallel.exchange import Route
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 from fsipetsc.state import Seen
 
@@ -120,19 +122,19 @@ def shares_of(
 
 
 class Layer(NamedTuple):
-    """A layer and this rank's points of it, with halos, of which those from own[0] to below own[1]
-    are its own. Points are counted as the rank has them: point 0 is number ``first`` of the layer.
+    """A layer and its points, all of them. A rank has numbers of those that it owns, from own[0] to
+    below own[1], and of halos beside them: it knows those from known[0] to below known[1].
 
     layer: as the case has it. ends: what stands at the left and the right end, None at an
     interface, and end_x: where. material: as formulas. narrow: with narrow second derivatives.
-    size: points in all; least: active points that the operator and the end conditions need. begin:
-    of its numbers in this rank's part of a solution.
+    least: active points that the operator and the end conditions need. share: of all ranks. at,
+    begin: of its numbers in the memory of all layers, and in this rank's part of a solution.
 
     active: the first and the last active point: in a gas interface point and ghost point. frame:
     velocity of the grid, that of the interface point, and x of the interface. given: (2, 5), what
     is given at the ends: data (fsipetsc.boundaries), temperature or heat flux. local, k, forcing:
     (unknowns, points) the stage, rates, and what is added to these, if anything. bounds: of
-    1/dt. X: of the points that it owns. share: of all ranks.
+    1/dt. X: of the points that it owns.
     """
 
     layer: FluidLayer | SolidLayer
@@ -144,9 +146,10 @@ class Layer(NamedTuple):
     narrow: bool
     h: float
     least: int
-    size: int
-    first: int
+    share: Share
     own: tuple[int, int]
+    known: tuple[int, int]
+    at: int
     begin: int
     active: Array
     frame: Array
@@ -157,7 +160,6 @@ class Layer(NamedTuple):
     scratch: Array
     bounds: Array
     X: Array
-    share: Share
 
     @property
     def is_gas(self) -> bool:
@@ -182,6 +184,11 @@ class Layer(NamedTuple):
         (begin, end), A, B = self.own, named(self.lo), named(self.hi)
         return named(np.maximum(begin, A)), named(np.minimum(end, B + 1)), A, B
 
+    def places(self, points: Array) -> Array:
+        """Where the unknowns of points are in the memory of all layers."""
+        dof, size = self.local.shape
+        return (self.at + size * np.arange(dof)[:, None] + points).ravel()
+
     # this rank's own points
 
     @property
@@ -195,8 +202,7 @@ class Layer(NamedTuple):
 
     @property
     def numbers(self) -> Array:
-        """Their numbers in the layer."""
-        return np.arange(*self.own) + self.first
+        return np.arange(*self.own)
 
     @property
     def mine(self) -> slice:
@@ -242,7 +248,7 @@ class Layer(NamedTuple):
         """(unknowns,): h sum |error|^power at t [s] over active points without ghosts; InputError,
         here alone perhaps."""
         exact = np.array(self.layer.values("exact", self.X, t, self.mine))
-        i, ghost = np.arange(*self.own), self.active[self.side] if self.is_gas else -1
+        i, ghost = self.numbers, self.active[self.side] if self.is_gas else -1
         counted = (i >= self.lo) & (i <= self.hi) & (i != ghost)
         apart = self.saved()[counted, : len(exact)].T - exact[:, counted]
         return self.h * np.sum(np.abs(apart) ** power, axis=1)
@@ -273,50 +279,57 @@ def layers_of(
     halo, h, narrow = halo_of_rates(op), opt["fsi_h"], opt["fsi_viscous"] == "narrow"
     grids = [grid_of(problem, k, op, h) for k in range(len(problem.layers))]
     shares = shares_of(comm.size, problem, op, grids, opt["fsi_partition"])
-    owned = [s.part(comm.rank)[0] if comm.rank in s.ranks else (0, 0) for s in shares]
-    firsts = [max(begin - halo, 0) for begin, _ in owned]
-    beyond = [min(end + halo * (end > 0), size) for (_, end), (size, *_) in zip(owned, grids)]
-    dofs = [DOF[layer.kind] for layer in problem.layers]
-    sizes = [dof * (end - first) for dof, first, end in zip(dofs, firsts, beyond, strict=True)]
-    memory, rates_of_all = zeros(bounds.size + sum(sizes)), zeros(sum(sizes))
-    frames, stage = memory[: bounds.size].reshape(-1, 2), memory[bounds.size :]
-    found, begin, at = [], 0, 0
-    for k, (layer, own, first) in enumerate(zip(problem.layers, owned, firsts, strict=True)):
+    shapes = [(DOF[v.kind], size) for v, (size, *_) in zip(problem.layers, grids)]
+    begins = np.cumsum([bounds.size, *map(prod, shapes)]).tolist()
+    memory, rates = zeros((2, begins[-1]))
+    found, begin = [], 0
+    for k, (layer, shape, share) in enumerate(zip(problem.layers, shapes, shares, strict=True)):
         (size, lo, hi, least), ends = grids[k], (problem.end(k, 0), problem.end(k, 1))
-        local, rates = (v[at:][: sizes[k]].reshape(dofs[k], -1) for v in (stage, rates_of_all))
+        local, of_rates = (v[begins[k] :][: prod(shape)].reshape(shape) for v in (memory, rates))
+        own = share.part(comm.rank)[0] if comm.rank in share.ranks else (0, 0)
+        known = max(own[0] - halo, 0), min(own[1] + halo, size)
         at_right = layer.kind == "fluid" and k == 0  # X are counted from the interface
         X = layer.X[at_right] + (np.arange(*own) - hi * at_right) * h
         of_case = layer, k, ends, tuple(getattr(end, "x", 0.0) for end in ends), law_of(layer)
-        of_grid = op, narrow, h, least, size, first, (own[0] - first, own[1] - first), begin
-        moving = np.array([lo, hi]) - first, frames[k], np.zeros((2, 5))
-        forcing = np.zeros_like(local) if layer.forcing is not None else None
-        scratch = np.zeros((ROWS, max(local.shape[1], PIECE + 2 * halo)))
-        of_points = local, rates, forcing, scratch, bounds[k], X, shares[k]
+        of_grid = op, narrow, h, least, share, own, known, begins[k], begin
+        moving = np.array([lo, hi]), memory[2 * k :][:2], np.zeros((2, 5))
+        forcing = np.zeros(shape) if layer.forcing is not None else None
+        scratch = np.zeros((ROWS, max(size, PIECE + 2 * halo)))
+        of_points = local, of_rates, forcing, scratch, bounds[k], X
         found.append(Layer(*of_case, *of_grid, *moving, *of_points))
-        begin, at = begin + dofs[k] * len(X), at + sizes[k]
-    return found, memory, rates_of_all
+        begin += shape[0] * len(X)
+    return found, memory, rates
 
 
-def routes_of(layers: Sequence[Layer], me: int, memory: Array) -> list[Route]:
-    """What rank ``me`` exchanges with others of layers in a memory: halos, and of a gas its frame,
-    (4.20), (4.25), which the rank of its interface knows.
+def routes_of(layers: Sequence[Layer], me: int) -> list[Route]:
+    """What rank ``me`` exchanges with others of layers: halos, and of a gas its frame, (4.20),
+    (4.25), which the rank of its interface knows.
     """
     found = []
     for layer in layers:
-        share = layer.share
-        if me in share.ranks and len(share.ranks) > 1:
-            reach = Reach(share, (False,), halo_of_rates(layer.op), False, False)
-            points, own = reach.routes(me, len(layer.local), 0, place_in(memory, layer.local))
-            of_memory = {rank: own.own[1][places] for rank, places in points.sent.items()}
-            found.append(points._replace(sent=of_memory))
-            frame, owner = place_in(memory, layer.frame) + np.arange(2), share.ranks[layer.side - 1]
-            if layer.is_gas and me != owner:
-                found.append(Route({}, {owner: frame}))
-            elif layer.is_gas:
-                found.append(Route({rank: frame for rank in share.ranks if rank != me}, {}))
+        ranks, cuts, halo = (
+            layer.share.ranks,
+            layer.share.cuts[0],
+            np.arange(halo_of_rates(layer.op)),
+        )
+        for pair, cut in zip(pairwise(ranks), cuts[1:]):
+            beside = layer.places(cut - 1 - halo), layer.places(cut + halo)
+            found += swapped(me, pair, beside)
+        frame, owner = 2 * layer.number + np.arange(2), ranks[layer.side - 1]
+        others = [rank for rank in ranks if rank != owner] if layer.is_gas else []
+        if me == owner:
+            found.append(Route({rank: frame for rank in others}, {}))
+        elif me in others:
+            found.append(Route({}, {owner: frame}))
     return found
 
 
-def place_in(memory: Array, part: Array) -> int:
-    """Where the numbers of a part of a memory begin."""
-    return (part.ctypes.data - memory.ctypes.data) // 8
+def swapped(me: int, ranks: Sequence[int], places: Sequence[Array]) -> list[Route]:
+    """What rank ``me`` sends and receives when each of two ranks tells the other one what is at its
+    places.
+    """
+    if me not in ranks or ranks[0] == ranks[1]:
+        return []
+    mine = ranks.index(me)
+    other = ranks[1 - mine]
+    return [Route({other: places[mine]}, {other: places[1 - mine]})]

@@ -25,11 +25,11 @@ from fsipetsc.checks import names_of
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import Array, zeros
 from fsipetsc.kernels.procedure import calling_code
-from fsipetsc.operators.sbp import OPERATORS, row_length
+from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import ends, rates
 from fsipetsc.paper.coupling import couple, interface_of, note
-from fsipetsc.paper.layers import DOF, check_ends, check_form, layers_of, routes_of
-from fsipetsc.parallel.exchange import Exchange, Reduction, Route, exchange_text
+from fsipetsc.paper.layers import check_ends, check_form, layers_of, routes_of
+from fsipetsc.parallel.exchange import Exchange, Reduction, exchange_text
 from fsipetsc.problem import Problem, SolidLayer
 from fsipetsc.process.libraries import libraries
 from fsipetsc.process.together import agree, together
@@ -82,23 +82,20 @@ class PaperState(State):
         self.bounds = bounds.reshape(-1, 2)
         self.layers, memory, k = layers_of(comm, problem, opt, self.op, self.bounds)
         self.parts = {v.number: v for v in self.layers if v.own[0] < v.own[1]}
-        self.shapes = [(v.size,) for v in self.layers]
-        q, (y, total) = memory[count:], zeros((2, k.size))
+        self.shapes = [v.local.shape[1:] for v in self.layers]
+        q, k = memory[count:], k[count:]
+        y, total = zeros((2, q.size))
         of_steps = rates.Steps(q, y, total, k, self.batch, told, self.results, bounds, notes, sums)
         self.changing = memory, *(v.active for v in self.layers), self.results, self.batch
         self.y = zeros(sum(v.owned.size for v in self.layers))
         self.solution = PETSc.Vec().createWithArray(self.y, comm=comm)
-        rooms = np.zeros((len(problem.interfaces), sum(DOF.values()), row_length(self.op)))
-        self.interfaces, rows = [], list[Route]()
-        kind, of_all = opt["fsi_coupling"], (notes.reshape(rates.NOTES, -1), rooms, memory)
-        for number, pair in enumerate(problem.interfaces):
-            sides = [self.layers[k] for k in pair]
-            one, found = interface_of(kind, sides, comm.rank, number, *of_all)
-            self.interfaces.append(one)
-            rows += found
-        halos = routes_of(self.layers, comm.rank, memory)
-        self._rows = Exchange(comm, ROWS_TAG, rows, rooms, memory)
-        self._halos = Exchange(comm, HALOS_TAG, halos, memory, memory)
+        pairs = [[self.layers[k] for k in pair] for pair in problem.interfaces]
+        about = opt["fsi_coupling"], notes.reshape(rates.NOTES, -1)
+        found = [interface_of(v, comm.rank, n, *about) for n, v in enumerate(pairs)]
+        self.interfaces = [one for one, _ in found]
+        rows = [route for _, routes in found for route in routes]
+        self._rows = Exchange(comm, ROWS_TAG, rows, memory, memory)
+        self._halos = Exchange(comm, HALOS_TAG, routes_of(self.layers, comm.rank), memory, memory)
         self._load_procedures(of_steps, announce)
 
     def _load_procedures(self, of_steps: rates.Steps, announce: Callable[[str], None]) -> None:
@@ -150,7 +147,7 @@ class PaperState(State):
         """(4, layers) of FRAME, of all ranks."""
         found = np.full((4, len(self.layers)), -np.inf)
         for k, layer in self.parts.items():
-            found[:, k] = *(layer.active + layer.first), *layer.frame
+            found[:, k] = *layer.active, *layer.frame
         self.comm.Allreduce(MPI.IN_PLACE, found, MPI.MAX)
         return found
 
@@ -188,7 +185,7 @@ class PaperState(State):
 
     def grids(self) -> list[dict[str, Any]]:
         """What the writer must know of the points of each layer: see RunWriter."""
-        return [{"n": layer.size, "X": layer.X} for layer in self.layers]
+        return [{"n": v.local.shape[1], "X": v.X} for v in self.layers]
 
     def save(self) -> dict[int, Array]:
         """What is saved of this rank's points, (local, 5) by layer."""
@@ -288,5 +285,5 @@ class PaperState(State):
     def take(self, arrays: Mapping[str, Array]) -> None:
         for k, layer in self.parts.items():
             lo, hi, s, x_interface = (arrays[name][k] for name in FRAME)
-            layer.active[:] = lo - layer.first, hi - layer.first
+            layer.active[:] = lo, hi
             layer.frame[:] = s, x_interface
