@@ -35,12 +35,6 @@ class Boundary(Checked):
         names = (name for name in ("T", "heat_flux") if getattr(self, name, None) is not None)
         return next(names, "")
 
-    @property
-    def closed(self) -> bool:
-        """Whether neither mass nor energy goes through."""
-        driven = self.heated or any(getattr(self, name) for name in self.given)
-        return not (self.passes or driven) and self.steady
-
     def condition(self, material: Any) -> Condition:
         """The condition of a block of this material that this is."""
         raise NotImplementedError

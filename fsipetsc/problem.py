@@ -157,7 +157,7 @@ class Problem:
         if not kinds or any(a == b for a, b in pairwise(kinds)) or len({*names}) < len(names):
             expected = "expected fluid and solid in turn, each with a name of its own"
             raise InputError(f"Problem: layers are {kinds}, {names}: {expected}")
-        for end, layer in ((self.left, given[0]), (self.right, given[-1])):
+        for layer, end in self.outer:
             if getattr(end, "of", None) != layer.kind:
                 found = f"at the outer end of {layer} stands {described(end)}"
                 raise InputError(f"{found}: expected an end of a {layer.kind}")
@@ -194,6 +194,11 @@ class Problem:
         return [f"{a.name} | {b.name}" for a, b in pairwise(self.layers)]
 
     @property
+    def outer(self) -> list[tuple[Any, Boundary]]:
+        """The outer layers with what stands at their ends."""
+        return [(self.layers[0], self.left), (self.layers[-1], self.right)]
+
+    @property
     def _forced(self) -> bool:
         return self.jumps is not None or any(layer.forcing for layer in self.layers)
 
@@ -204,20 +209,22 @@ class Problem:
 
     @property
     def invariants(self) -> dict[str, Any]:
-        """What must not change (see fsipetsc.scheme.observables.Drifts): masses: (name,
-        numbers among the fluids) of gas layers that nothing enters or leaves; energy: whether that
-        of all layers is kept. Empty where forcing or jumps change all.
+        """What must not change in the paper's method (see fsipetsc.scheme.observables.Drifts): the
+        masses, (name, numbers among the gases), of layers that nothing enters or leaves.
         """
-        if self._forced:
-            return {}
-        fluids = [v for v in self.layers if v.kind == "fluid"]
-        ends = (self.layers[0], self.left), (self.layers[-1], self.right)
-        leaky = {v.name for v, end in ends if end.passes}
-        pulled = any(np.any(layer.material.force) for layer in self.layers)
+        leaky = [v.name for v, end in self.outer if end.passes]
+        gases = [v.name for v in self.layers if v.kind == "fluid"] if not self._forced else []
         return {
-            "masses": [[v.name, [i]] for i, v in enumerate(fluids) if v.name not in leaky],
-            "energy": self.left.closed and self.right.closed and not pulled,
+            "masses": [[v, [i]] for i, v in enumerate(gases) if v not in leaky],
+            "energy": False,
         }
+
+
+def check_place(layer: FluidLayer, end: Any, x: float, h: float) -> None:
+    """InputError if an end of a gas does not stand at x, to within a cell of h [m]."""
+    if abs(end.x - x) > h:
+        what = f"{layer}: its {type(end).__name__} stands at x = {end.x:g}"
+        raise InputError(f"{what}: expected the end of its grid, {x:g}")
 
 
 def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
@@ -226,47 +233,32 @@ def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
     h: spacing [m] of layers without cells of their own; order: of the operators. InputError where
     h does not fit a solid, or for what only the paper's method has.
     """
-    blocks, notes, least = [], list(problem.notes), OPERATORS[order].min_points - 1
+    blocks, least = [], OPERATORS[order].min_points - 1
     for k, layer in enumerate(problem.layers):
         cells = layer.cells or layer.fitting(h)
         if layer.kind == "solid":
             blocks.append(_solid(layer, cells))
         else:
-            blocks.append(_gas(problem, k, layer.cells or max(cells, least), notes))
+            blocks.append(_gas(problem, k, layer.cells or max(cells, least)))
     ends = zip((0, 1), (problem.left, problem.right), (blocks[0], blocks[-1]), strict=True)
     faces = {(of.name, 0, side): end.condition(of.material) for side, end, of in ends}
     jumps = problem.jumps and _jumps(problem, problem.jumps)
-    return BlockProblem(blocks, faces, jumps, notes=notes, units=problem.units)
+    return BlockProblem(blocks, faces, jumps, notes=problem.notes, units=problem.units)
 
 
-def _gas(problem: Problem, k: int, cells: int, notes: list[str]) -> Block:
-    """A layer of gas, whose grid begins and ends where walls and open ends at rest are: a note says
-    where these are not the layer's ends. Its functions go with the points of its X.
+def _gas(problem: Problem, k: int, cells: int) -> Block:
+    """A layer of gas, whose grid begins and ends where walls and open ends at rest are. InputError
+    where these are more than a cell from the layer's ends.
     """
     layer: Any = problem.layers[k]
-    (a, b), grid = layer.X, list(layer.X)
+    grid = list(layer.X)
     for side in (0, 1):
         end: Any = problem.end(k, side)
-        moves = end is None or (isinstance(end, Wall) and end.moves)
-        if not moves and abs(end.x - layer.X[side]) > 1e-9 * (b - a):
-            notes.append(
-                f"{layer} ends at X = {layer.X[side]:g}, its {type(end).__name__} is "
-                f"at x = {end.x:g}: the gas is stretched to it, and has another mass"
-            )
-            grid[side] = float(end.x)
-    low, high = checks.extent(grid, str(layer))
-
-    def of_grid(function: Function | None) -> Function | None:
-        if function is None or (a, b) == (low, high):
-            return function
-
-        def moved(x: Array, *t: float) -> Any:
-            return function(a + (x - low) / (high - low) * (b - a), *t)
-
-        return wraps(function)(moved)
-
-    functions: Any = map(of_grid, (layer.initial, layer.forcing, layer.exact))
-    return Block(layer.name, layer.material, rectangle(low, high), (cells,), *functions)
+        if end is not None and not (isinstance(end, Wall) and end.moves):
+            check_place(layer, end, grid[side], (layer.X[1] - layer.X[0]) / cells)
+            grid[side] = end.x
+    functions = layer.initial, layer.forcing, layer.exact
+    return Block(layer.name, layer.material, rectangle(*grid), (cells,), *functions)
 
 
 def _solid(layer: Any, cells: int) -> Block:

@@ -33,7 +33,7 @@ p + mu' u_X + g_stress, both temperatures from (4.21). The energy may grow witho
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -41,29 +41,20 @@ from fsipetsc.equations.vectors import choose
 from fsipetsc.kernels.arrays import Array
 from fsipetsc.kernels.loops import each, stop, variable
 from fsipetsc.operators.sbp import row_length
-from fsipetsc.paper.layers import Layer, swapped
-from fsipetsc.parallel.exchange import Route
+from fsipetsc.paper.layers import Layer
 
 #: the conductivity at the interface has the temperature that it leads to, but for this fraction, or
 #: after so many attempts
 AGREED, REFINEMENTS = 1e-15, 20
 
 
-class Interface(NamedTuple):
+class Interface(SimpleNamespace):
     """An interface of two layers, gas and solid, in the treatment of a ``kind``, a value of
-    -fsi_coupling. first: their points at the interface; jump: what is prescribed; notes: what is
-    noted of all, (NOTES, interfaces), of this one in column ``number``. here: whether this rank
-    owns gas and solid.
+    -fsi_coupling. first: their points at the interface; owners: of these, who have all rows; here:
+    whether they are this rank; rows: their places in memory. Two owners tell each other their rows,
+    and both solve the same small system. jump: what is prescribed; notes: what is noted of all,
+    (NOTES, interfaces), of this one in column ``number``.
     """
-
-    kind: str
-    gas: Layer
-    solid: Layer
-    first: tuple[int, ...]
-    jump: Array
-    notes: Array
-    number: int
-    here: tuple[bool, ...]
 
     @property
     def n(self):
@@ -113,21 +104,16 @@ class Rows:
         self._points[at[1], self._first + self._step * at[0]] = value
 
 
-def interface_of(
-    pair: Sequence[Layer], me: int, number: int, kind: str, notes: Array
-) -> tuple[Interface, list[Route]]:
-    """An interface of gas and solid, and what rank ``me`` exchanges for it with others.
-
-    The ranks that own the two sides there have all rows of them. Each of two tells the other one
-    its rows, and both solve the same small system.
-    """
-    rows, inwards = np.arange(row_length(pair[0].op)), (1, -1) if pair[0].side else (-1, 1)
-    first = [int(v.lo if step > 0 else v.hi) for v, step in zip(pair, inwards)]
-    owners = [v.share.ranks[0 if step > 0 else -1] for v, step in zip(pair, inwards)]
-    places = [v.places(at + step * rows) for v, at, step in zip(pair, first, inwards)]
-    here = tuple(owner == me for owner in owners)
-    one = Interface(kind, *pair, tuple(first), np.zeros(4), notes, number, here)
-    return one, swapped(me, owners, places)
+def interface_of(pair: Sequence[Layer], me: int, number: int, kind: str, notes: Array) -> Interface:
+    """An interface of gas and solid, on rank ``me``."""
+    gas, solid = pair
+    rows, inwards = np.arange(row_length(gas.op)), (1, -1) if gas.side else (-1, 1)
+    first = tuple(int(v.lo if step > 0 else v.hi) for v, step in zip(pair, inwards))
+    one = Interface(kind=kind, gas=gas, solid=solid, first=first, notes=notes, number=number)
+    one.owners = tuple(v.share.ranks[0 if step > 0 else -1] for v, step in zip(pair, inwards))
+    one.rows = tuple(v.places(at + step * rows) for v, at, step in zip(pair, first, inwards))
+    one.jump, one.here = np.zeros(4), tuple(owner == me for owner in one.owners)
+    return one
 
 
 def note(of):

@@ -7,12 +7,13 @@ x. Some points of a gas are held in reserve, on its outer side.
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from math import prod
-from typing import Any, NamedTuple
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc.boundaries import Boundary, Wall
+from fsipetsc.boundaries import Wall
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import Array, zeros
 from fsipetsc.kernels.loops import named
@@ -24,7 +25,7 @@ from fsipetsc.paper.rates import PIECE, ROWS, Gas
 from fsipetsc.paper.stencils import halo_of_rates
 from fsipetsc.parallel.block_shares import Extent, Share, share_out
 from fsipetsc.parallel.exchange import Route
-from fsipetsc.problem import FluidLayer, Problem, SolidLayer
+from fsipetsc.problem import FluidLayer, Problem, SolidLayer, check_place
 from fsipetsc.state import Seen
 
 #: kind of layer -> unknowns of a point
@@ -46,8 +47,7 @@ def law_of(layer: FluidLayer | SolidLayer) -> Gas | Elastic:
     if isinstance(layer, SolidLayer):
         return of.elastic
     (force,) = force_in(of.force, 1, "Fluid")
-    numbers = 4.0 / 3.0 * of.mu, of.kappa, of.gamma, force
-    return Gas(of.gas_law, of.transport_law, *numbers)
+    return Gas(of.gas_law, of.transport_law, 4.0 / 3.0 * of.mu, of.kappa, of.gamma, force)
 
 
 def check_form(problem: Problem, opt: Mapping[str, Any]) -> None:
@@ -55,12 +55,12 @@ def check_form(problem: Problem, opt: Mapping[str, Any]) -> None:
     layers = problem.layers
     found = [f"-{name} {opt[name]}" for name, values in HAS.items() if opt[name] not in values]
     found += [f"{layer} has a spacing of its own" for layer in layers if layer.cells]
-    found += [] if problem.interfaces else ["there is no interface"]
+    found += ["there is no interface"] * (len(layers) == 1)
     two = len(layers) > 3 or sum(layer.kind == "solid" for layer in layers) > 1
     found += ["a gas lies between two solids"] * two
-    for layer, end in ((layers[0], problem.left), (layers[-1], problem.right)):
+    for layer, end in problem.outer:
         if isinstance(end, Wall) and (end.moves or end.heated):
-            found.append(f"the wall of {layer} {'moves' if end.moves else 'is not insulated'}")
+            found.append(f"the wall of {layer} moves, or is not insulated")
     if found:
         raise InputError(
             f"{found[0]}: the paper's couplings are of a solid between gases in rigid frames, on "
@@ -74,10 +74,7 @@ def check_ends(problem: Problem, h: float) -> None:
         layer, solid = problem.layers[-side], problem.layers[1 - 3 * side]
         if layer.kind == "fluid":
             x = solid.values("initial", np.array(solid.X))[3][side]  # of the interface
-            wanted = layer.X[side] - layer.X[1 - side] + x
-            if abs(end.x - wanted) > h:
-                what = f"{layer}: its {type(end).__name__} stands at x = {end.x:g}"
-                raise InputError(f"{what}, but X and the interface say x = {wanted:g}")
+            check_place(layer, end, layer.X[side] - layer.X[1 - side] + x, h)
 
 
 def grid_of(problem: Problem, k: int, op: SBPOperator, h: float) -> tuple[int, int, int, int]:
@@ -111,24 +108,26 @@ def shares_of(
     """The share of each layer, for ``size`` ranks. Active points alone are work; the outermost rank
     of a gas has those in reserve. RanksError.
     """
-    smallest, found = [max(halo_of_rates(op), op.rows + 1)] * 3, []
-    active = [(hi - lo + 1,) for _, lo, hi, _ in grids]
-    of_layers = zip(problem.layers, active, strict=True)
-    extents = [Extent(layer.kind, shape, (False,), *smallest) for layer, shape in of_layers]
-    for share, (n, lo, _, _) in zip(share_out(extents, size, mode), grids, strict=True):
-        cuts = [cut + lo for cut in share.cuts[0][1:-1]]
-        found.append(Share(share.ranks, ((0, *cuts, n),)))
-    return found
+    smallest = [max(halo_of_rates(op), op.rows + 1)] * 3
+    extents = [
+        Extent(layer.kind, (hi - lo + 1,), (False,), *smallest)
+        for layer, (_, lo, hi, _) in zip(problem.layers, grids, strict=True)
+    ]
+    return [
+        Share(share.ranks, ((0, *(cut + lo for cut in share.cuts[0][1:-1]), n),))
+        for share, (n, lo, *_) in zip(share_out(extents, size, mode), grids, strict=True)
+    ]
 
 
-class Layer(NamedTuple):
-    """A layer and its points, all of them. A rank has numbers of those that it owns, from own[0] to
-    below own[1], and of halos beside them: it knows those from known[0] to below known[1].
+class Layer(SimpleNamespace):
+    """A layer and all of its points. A rank has numbers of those that it owns, from own[0] to below
+    own[1], and of halos beside them, in all from known[0] to below known[1].
 
-    layer: as the case has it. ends: what stands at the left and the right end, None at an
-    interface, and end_x: where. material: as formulas. narrow: with narrow second derivatives.
-    least: active points that the operator and the end conditions need. share: of all ranks. at,
-    begin: of its numbers in the memory of all layers, and in this rank's part of a solution.
+    layer: as the case has it, which is number ``number``. ends: what stands at the left and the
+    right end, None at an interface, and end_x: where. material: as formulas. narrow: with narrow
+    second derivatives. least: active points that the operator and the end conditions need. share:
+    of all ranks. at, begin: of its numbers in the memory of all layers, and in this rank's part of
+    a solution.
 
     active: the first and the last active point: in a gas interface point and ghost point. frame:
     velocity of the grid, that of the interface point, and x of the interface. given: (2, 5), what
@@ -136,30 +135,6 @@ class Layer(NamedTuple):
     (unknowns, points) the stage, rates, and what is added to these, if anything. bounds: of
     1/dt. X: of the points that it owns.
     """
-
-    layer: FluidLayer | SolidLayer
-    number: int
-    ends: tuple[Boundary | None, ...]
-    end_x: tuple[float, ...]
-    material: Any
-    op: SBPOperator
-    narrow: bool
-    h: float
-    least: int
-    share: Share
-    own: tuple[int, int]
-    known: tuple[int, int]
-    at: int
-    begin: int
-    active: Array
-    frame: Array
-    given: Array
-    local: Array
-    k: Array
-    forcing: Array | None
-    scratch: Array
-    bounds: Array
-    X: Array
 
     @property
     def is_gas(self) -> bool:
@@ -276,28 +251,29 @@ def layers_of(
     """All layers, on each rank; the memory of all frames, then of the stage, and that of rates.
     bounds: (layers, 2) of the step. InputError.
     """
-    halo, h, narrow = halo_of_rates(op), opt["fsi_h"], opt["fsi_viscous"] == "narrow"
+    halo, h = halo_of_rates(op), opt["fsi_h"]
     grids = [grid_of(problem, k, op, h) for k in range(len(problem.layers))]
     shares = shares_of(comm.size, problem, op, grids, opt["fsi_partition"])
     shapes = [(DOF[v.kind], size) for v, (size, *_) in zip(problem.layers, grids)]
-    begins = np.cumsum([bounds.size, *map(prod, shapes)]).tolist()
-    memory, rates = zeros((2, begins[-1]))
+    at = np.cumsum([bounds.size, *map(prod, shapes)]).tolist()
+    memory, rates = zeros((2, at[-1]))
     found, begin = [], 0
     for k, (layer, shape, share) in enumerate(zip(problem.layers, shapes, shares, strict=True)):
         (size, lo, hi, least), ends = grids[k], (problem.end(k, 0), problem.end(k, 1))
-        local, of_rates = (v[begins[k] :][: prod(shape)].reshape(shape) for v in (memory, rates))
-        own = share.part(comm.rank)[0] if comm.rank in share.ranks else (0, 0)
-        known = max(own[0] - halo, 0), min(own[1] + halo, size)
-        at_right = layer.kind == "fluid" and k == 0  # X are counted from the interface
-        X = layer.X[at_right] + (np.arange(*own) - hi * at_right) * h
-        of_case = layer, k, ends, tuple(getattr(end, "x", 0.0) for end in ends), law_of(layer)
-        of_grid = op, narrow, h, least, share, own, known, begins[k], begin
-        moving = np.array([lo, hi]), memory[2 * k :][:2], np.zeros((2, 5))
-        forcing = np.zeros(shape) if layer.forcing is not None else None
-        scratch = np.zeros((ROWS, max(size, PIECE + 2 * halo)))
-        of_points = local, of_rates, forcing, scratch, bounds[k], X
-        found.append(Layer(*of_case, *of_grid, *moving, *of_points))
-        begin += shape[0] * len(X)
+        v = Layer(layer=layer, number=k, material=law_of(layer), op=op, h=h, share=share)
+        v.ends, v.end_x = ends, tuple(getattr(end, "x", 0.0) for end in ends)
+        v.narrow, v.least = opt["fsi_viscous"] == "narrow", least
+        v.own = share.part(comm.rank)[0] if comm.rank in share.ranks else (0, 0)
+        v.known = max(v.own[0] - halo, 0), min(v.own[1] + halo, size)
+        v.at, v.begin, v.bounds = at[k], begin, bounds[k]
+        v.active, v.frame, v.given = np.array([lo, hi]), memory[2 * k :][:2], np.zeros((2, 5))
+        v.local, v.k = (of[at[k] : at[k + 1]].reshape(shape) for of in (memory, rates))
+        v.forcing = np.zeros(shape) if layer.forcing is not None else None
+        v.scratch = np.zeros((ROWS, max(size, PIECE + 2 * halo)))
+        at_right = v.is_gas and k == 0  # X are counted from the interface
+        v.X = layer.X[at_right] + (v.numbers - hi * at_right) * h
+        found.append(v)
+        begin += v.owned.size
     return found, memory, rates
 
 

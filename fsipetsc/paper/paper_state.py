@@ -4,16 +4,15 @@ One evaluation of the right-hand side:
 
     1  interfaces   the owners of the two sides of an interface swap the rows that D reaches from
                     it, and each of them solves the same small system      (Thm 4.1, Sec. 4.2)
-    2  halos        neighbours fill the local arrays: twice the reach of D, because D acts twice;
-                    the owner of a gas's interface point tells the layer its velocity s and its
-                    place x_I                                              (4.20), (4.25)
+    2  halos        neighbours swap twice the reach of D, because D acts twice; the owner of a gas's
+                    interface point tells the others its velocity s and place x_I  (4.20), (4.25)
     3  points       ghost points (4.26), then the rates of all points      (4.19), (4.20)
 
 Interfaces come before halos, so that neighbours of an owner get rows that fulfil the conditions.
-The point arithmetic is the same on any number of ranks, and nothing is added up over ranks: so are
-the results, bit for bit.
+Nothing is added up over ranks: results are the same on any number of them, bit for bit.
 """
 
+from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -24,11 +23,11 @@ from petsc4py import PETSc
 from fsipetsc.checks import names_of
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import Array, zeros
-from fsipetsc.kernels.procedure import calling_code
+from fsipetsc.kernels.procedure import Procedure, calling_code
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import ends, rates
 from fsipetsc.paper.coupling import couple, interface_of, note
-from fsipetsc.paper.layers import check_ends, check_form, layers_of, routes_of
+from fsipetsc.paper.layers import check_ends, check_form, layers_of, routes_of, swapped
 from fsipetsc.parallel.exchange import Exchange, Reduction, exchange_text
 from fsipetsc.problem import Problem, SolidLayer
 from fsipetsc.process.libraries import libraries
@@ -89,28 +88,34 @@ class PaperState(State):
         self.changing = memory, *(v.active for v in self.layers), self.results, self.batch
         self.y = zeros(sum(v.owned.size for v in self.layers))
         self.solution = PETSc.Vec().createWithArray(self.y, comm=comm)
+        of = opt["fsi_coupling"], notes.reshape(rates.NOTES, -1)
         pairs = [[self.layers[k] for k in pair] for pair in problem.interfaces]
-        about = opt["fsi_coupling"], notes.reshape(rates.NOTES, -1)
-        found = [interface_of(v, comm.rank, n, *about) for n, v in enumerate(pairs)]
-        self.interfaces = [one for one, _ in found]
-        rows = [route for _, routes in found for route in routes]
+        self.interfaces = [interface_of(v, comm.rank, k, *of) for k, v in enumerate(pairs)]
+        rows = [v for one in self.interfaces for v in swapped(comm.rank, one.owners, one.rows)]
         self._rows = Exchange(comm, ROWS_TAG, rows, memory, memory)
         self._halos = Exchange(comm, HALOS_TAG, routes_of(self.layers, comm.rank), memory, memory)
         self._load_procedures(of_steps, announce)
 
     def _load_procedures(self, of_steps: rates.Steps, announce: Callable[[str], None]) -> None:
-        """Record all procedures, the same ones on all ranks, and make machine code of them."""
-        code, wanted = calling_code(exchange_text()), list[tuple[str, int, Any, Any]]()
-        for layer in self.layers:
+        """Record all procedures, the same ones on all ranks, and make machine code of them; does:
+        name -> those that this rank calls.
+        """
+        code, self._does = calling_code(exchange_text()), defaultdict[str, list[Procedure]](list)
+
+        def add(name: str, number: int, f: Any, *of: Any, here: bool = True) -> None:
+            self._does[name] += [code.procedure(f"{name}_{number}", f, *of)][: int(here)]
+
+        for k, layer in enumerate(self.layers):
             for name, f in OF_LAYERS[layer.layer.kind].items():
                 of = (layer, of_steps) if name == "complete" else (layer,)
-                wanted.append((name, layer.number, f, of))
-        for one in self.interfaces:
-            wanted += [(f.__name__, one.number, f, (one,)) for f in (couple, note)]
-        wanted += [("advance", n, rates.advance(n), (of_steps,)) for n in range(STAGES)]
-        of_all = rates.forget, rates.tell, rates.finish
-        wanted += [(f.__name__, 0, f, (of_steps,)) for f in of_all]
-        self._does = {(a, k): code.procedure(f"{a}_{k}", f, *of) for a, k, f, of in wanted}
+                add(name, k, f, *of, here=k in self.parts)
+        for k, one in enumerate(self.interfaces):
+            add("couple", k, couple, one, here=any(one.here))
+            add("note", k, note, one, here=one.here[1])  # the owner of the solid does it
+        for n in range(STAGES):
+            add("advance", n, rates.advance(n), of_steps)
+        for f in (rates.forget, rates.tell, rates.finish):
+            add(f.__name__, 0, f, of_steps)
         planning = code.procedure("plan_next", plan_next, self.plan)
         (library,) = libraries(self.comm, [code.text], announce)
         code.load(library)
@@ -121,24 +126,17 @@ class PaperState(State):
 
     def phase(self, name: str, n: int, f: Array | None = None) -> list[Any]:
         does, found = self._does, list[Any]()
-
-        def of(*names: str) -> list[Any]:
-            return [does[one, k] for k in self.parts for one in names if (one, k) in does]
-
-        couplings = [k for k, one in enumerate(self.interfaces) if any(one.here)]
         if name == "fulfil" and n > 0:  # the solution fulfils the conditions
-            found = [self._rows, *(does["couple", k] for k in couplings), *of("close"), self._halos]
+            found = [self._rows, *does["couple"], *does["close"], self._halos]
         elif name in ("rates", "advance"):
             # a stage fulfils the conditions but for the ghost point, the completed solution all
-            found = of(*["fill"] * (n != 0), "rates")
-            found += [does[name, n]] if name == "advance" else []
+            found = [*(does["fill"] if n > 0 else ()), *does["rates"]]
+            found += [does[name][n]] if name == "advance" else []
         elif name == "complete":
-            # the owner of the solid notes an interface
-            notes = [does["note", k] for k in couplings if self.interfaces[k].here[1]]
-            tell = [does["tell", 0], self._reduction] if self.comm.size > 1 else []
-            found = [does["forget", 0], *of(name), *notes, *tell, does["finish", 0]]
+            tell = [*does["tell"], self._reduction] if self.comm.size > 1 else []
+            found = [*does["forget"], *does[name], *does["note"], *tell, *does["finish"]]
         elif name == "stretch":
-            found = of(name)
+            found = does[name]
         return [(one, ()) for one in found if not getattr(one, "empty", False)]
 
     # what is known of it

@@ -1,8 +1,8 @@
 """The SBP first derivative on rows of values, and narrow second derivatives.
 
-Rows hold the points of a rank with their halos. The closures stand at the first and the last active
-point, A and B. A span (a, b, A, B) is of the points a .. b-1. The same formula is evaluated in the
-same order for a point whoever owns it, so results do not depend on the number of ranks.
+Rows hold the points of a layer. The closures stand at the first and the last active point, A and B.
+A span (a, b, A, B) is of the points a .. b-1. The same formula is evaluated in the same order for a
+point whoever owns it, so results do not depend on the number of ranks.
 
 D acts twice on u and T, with b = mu', kappa or kappa_e / x_X between. That leaves the shortest wave
 alone, (-1)^i being in the null space of the interior formula. With the norm H of D (h = 1), B =
@@ -13,10 +13,6 @@ diag(b) and E the difference of the two ends,
 
     R(b) = sum_q  Delta_q^T  diag(mean_q b)  Delta_q  +  terms at the ends,     q = p+1 .. 2p
 
-    (rho u)_t     -=  H^-1 R(b) u / h^2
-    e_t           -=  H^-1 (R(u b) u + R(kappa) T) / h^2
-    alpha m0 T_t  -=  H^-1 R(kappa_e / x_X) T / h^2              (solid)
-
 Delta_q are the undivided differences of order q, at i of the values at i .. i+q, and mean_q b is a
 sum of b at the 2p - q + 1 points in the middle of a difference, with the weights that make the
 interior formula of D2 one of 2p + 1 points. At either end the differences that begin at the first T
@@ -25,14 +21,12 @@ points are left out, and the first T of order p+1 have a term of their own inste
     b_T  Delta_{p+1}^T  c L L^T  Delta_{p+1},             c the sum of the weights of mean_{p+1}
 
 Whatever L is, R is symmetric, for b >= 0 positive semidefinite, and 0 on polynomials up to degree
-p: near the ends D2 is as exact as D B D, in the interior of order h^2p. What the flow loses in
-kinetic energy, sum_q mean_q(b) (Delta_q u)^2, the heat gains. The boundary derivative is the
-closure row of D: a flux imposed by it makes an error phi h^s u^(s+1), s = p, which the L of _ENDS
-make 0 for 2/1, 4/2 and 6/3; without them phi is 1/2, -1/3, 0.31, -0.38.
+p: near the ends D2 is as exact as D B D, in the interior of order h^2p. The boundary derivative is
+the closure row of D: a flux imposed by it makes an error phi h^s u^(s+1), s = p, which the L of
+_ENDS make 0 for 2/1, 4/2 and 6/3; without them phi is 1/2, -1/3, 0.31, -0.38.
 
-Sources: K. Mattsson, J. Sci. Comput. 51 (2012), 650-682 (remainders of this form); B. Sjögreen and
-N. A. Petersson, J. Sci. Comput. 52 (2012), 17-48 (narrow formulas with the boundary derivative in
-mind).
+Sources: K. Mattsson, J. Sci. Comput. 51 (2012), 650-682; B. Sjögreen and N. A. Petersson, J. Sci.
+Comput. 52 (2012), 17-48.
 """
 
 from collections.abc import Iterator

@@ -111,7 +111,7 @@ class Drifts:
     through faces and by body forces; with the potential energy of constant forces in the place of
     their work where no mass comes in and grids are at rest; the entropy of gases where nothing
     comes in and solids take no heat from them. Of the paper's method the mass of a gas layer behind
-    a wall is held, and total energy between two walls without body forces.
+    a wall is held.
 
     invariants: which ones must hold (fsipetsc.blocks.block_problem.BlockProblem.invariants).
     initial: the integrals at t = 0. memory: of the steps before the first one. Entropy counts only
