@@ -218,10 +218,9 @@ class BlockState(State):
             "points": [[problem.blocks[one.block].name, list(one.X)] for one in self.recorded],
         }
 
-    def grids(self) -> list[dict[str, Any]]:
+    def grids(self) -> list[np.ndarray]:
         places, natural = self.problem.places, self.layout.natural
-        every = enumerate(self.shapes)
-        return [{"n": math.prod(shape), "X": places(k, natural(k))} for k, shape in every]
+        return [places(k, natural(k)) for k in range(len(self.shapes))]
 
     def seen(self) -> Iterator[Seen]:
         """Values at this rank's nodes, block by block."""

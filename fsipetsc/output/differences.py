@@ -88,9 +88,9 @@ def _on_one_scale(found: list[Difference]) -> Iterator[Difference]:
     """
     units = [unit_of(one.name.rpartition(": ")[2]) for one in found]
     units = [one.name if unit in ("", "s") else unit for one, unit in zip(found, units)]
-    scales: dict[str, float] = {}
+    scales = dict.fromkeys(units, 0.0)
     for unit, one in zip(units, found):
-        scales[unit] = max(scales.get(unit, 0.0), one.scale)
+        scales[unit] = max(scales[unit], one.scale)
     if density := scales.get("kg m-3"):
         scales["m s-1"] = max(scales["m s-1"], math.sqrt(scales["Pa"] / density))
     return (replace(one, scale=scales[unit]) for unit, one in zip(units, found))
@@ -147,12 +147,13 @@ def _of_layers(a: Run, b: Run, notes: list[str]) -> Iterator[Difference]:
     times, in_a, in_b = _common(a.time, b.time, "frames", notes)
     for name in _both(a.blocks, b.blocks, "layer", notes) if len(times) else ():
         layer, other = a.blocks[name], b.blocks[name]
-        if (nodes := common_nodes(layer, other, notes)) is None:
-            continue
-        places = layer.places.reshape(-1, len(layer.shape))[nodes[0]]
-        for field in _both(layer.fields, other.fields, f"{name}: field", notes):
-            one = layer[field][in_a].reshape(len(times), -1)[:, nodes[0]]
-            two = other[field][in_b].reshape(len(times), -1)[:, nodes[1]]
+        here, there = common_nodes(layer, other, notes)
+        places = layer.places.reshape(-1, len(layer.shape))[here]
+        for field in (
+            _both(layer.fields, other.fields, f"{name}: field", notes) if len(here) else ()
+        ):
+            one = layer[field][in_a].reshape(len(times), -1)[:, here]
+            two = other[field][in_b].reshape(len(times), -1)[:, there]
             if layer.shape != other.shape:  # active parts of two grids end at other nodes
                 one, two = np.where(np.isnan(one) | np.isnan(two), np.nan, (one, two))
             yield _difference(f"{name}: {field}", one, two, times, places)
@@ -178,9 +179,9 @@ def summed(run: Run, name: str) -> Array:
     return np.cumsum(series, axis=0) if name in GAINS else series
 
 
-def common_nodes(a: Layer, b: Layer, notes: list[str]) -> tuple[Array, Array] | None:
+def common_nodes(a: Layer, b: Layer, notes: list[str]) -> tuple[Array, Array]:
     """Return numbers of the nodes of either layer that are at the same places, to a billionth of
-    what the layer spans; None if there are none. `notes` tell so, and of another grid.
+    what the layer spans. `notes` tell of another grid.
     """
     one, two = (layer.places.reshape(-1, len(layer.shape)) for layer in (a, b))
     within = 1e-9 * np.ptp(one, axis=0).max() if one.size else 1.0
@@ -190,7 +191,6 @@ def common_nodes(a: Layer, b: Layer, notes: list[str]) -> tuple[Array, Array] | 
 
     apart, nearest = KDTree(two).query(one, distance_upper_bound=within)
     here = np.flatnonzero(np.isfinite(apart))
-    notes.append(
-        f"layer {a.name!r} has {a.size} and {b.size}: {len(here)} common nodes are compared"
-    )
-    return (here, nearest[here]) if len(here) else None
+    count = f"{len(here)} common nodes are compared"
+    notes.append(f"layer {a.name!r} has {a.size} and {b.size}: {count}")
+    return here, nearest[here]

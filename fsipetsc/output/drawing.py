@@ -5,9 +5,10 @@ In three dimensions the maps are those of the plane in the middle of the blocks'
 colours are those of Okabe and Ito, which eyes that do not tell red from green tell apart.
 """
 
+import math
 import os
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from itertools import chain, product
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -19,7 +20,7 @@ from fsipetsc.output.file_layout import writing
 from fsipetsc.output.quantities import Quantity, is_si, unit_of, written
 from fsipetsc.output.reader import Layer, Run
 
-Axes = Figure = FigureBase = Any  # of matplotlib, without which results are read, too
+Axes = Figure = Any  # of matplotlib, without which results are read, too
 
 BLUE, RED, GREEN, ORANGE, BLACK = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#222222"
 COLORS = {"fluid": BLUE, "solid": RED}
@@ -33,22 +34,20 @@ CURVES = {
     "color": [BLACK, ORANGE, BLUE, GREEN, "#cc79a7"] * 4,
     "linestyle": ["-", "--", "-.", ":"] * 5,
 }
-WIDTH = 10.2  # inches, of all panels beside each other
-HIGHEST = 4.4  # inches, of a panel
-ABOVE = 0.4  # inches, of what stands above and below a panel
-BAR = 0.72  # inches, of a colour bar with its label
+#: inches: width of all panels beside each other; height of a panel at most, of what stands above
+#: and below it, of a colour bar with its label
+WIDTH, HIGHEST, ABOVE, BAR = 10.2, 4.4, 0.4, 0.72
 MARGIN = 0.02  # of the extent, around it
 THIN = 0.2  # height over width; what is thinner is drawn higher than it is
+WIDE = 1.25  # width over height; of what is wider, two panels stand beside each other, else three
 STILL = 1e-3  # of the largest speed; there are no streamlines where it is less
-SHADES = 200  # of a map over x and t
 STREAM = 150  # points along each side of a panel, between which streamlines go
 SIDES = (0, 0), (0, -1), (1, 0), (1, -1)  # axis and index of an edge of a block
 LINES = 40  # of the grid in a solid as long as a panel
-WIDE = 1.25  # width over height; of what is wider, two panels stand beside each other, else three
-LONGEST = 28  # letters in a legend
-WIDEST = 20  # letters in a line of the label of a vertical axis
+LONGEST, WIDEST = 28, 20  # letters in a legend, in a line of the label of a vertical axis
+MOST_BLOCKS = 4  # whose nodes a title counts; of more it tells the sum
 NOTHING = 1e-10  # of the values of a unit: what varies by less is round-off
-ROBUST = 1.25  # times the span of 99.8 % of the values: if all span more, colours end with these
+INSIDE = 0.1, 99.9  # percentiles of the values with which colours begin and end
 BESIDE = 0.05  # of the span of values is at least on either side of white
 
 STYLE: dict[Any, Any] = {
@@ -90,12 +89,13 @@ def set_title(figure: Figure, title: str) -> Any:
 
 
 def of_run(run: Run, what: str) -> str:
-    """Return case, what is shown, order, spacing, ranks, and whether the run has ended."""
-    order, h = run.options["fsi_order"], run.options["fsi_h"]
-    sizes = [layer.h or h for layer in run.layers] if run.dimension == 1 else [h]
-    h = " to ".join(dict.fromkeys(f"{size:.4g}" for size in (min(sizes), max(sizes))))
+    """Return case, what is shown, order, nodes, ranks, and whether the run has ended."""
+    sizes = [" x ".join(map(str, layer.shape[::-1])) for layer in run.layers]
+    if len(sizes) > MOST_BLOCKS:
+        sizes = [f"{sum(math.prod(layer.shape) for layer in run.layers):,}"]
     ranks = counted(run.summary["ranks"], "rank") + ", unfinished" * (not run.complete)
-    return f"{run.case}, {what}  (order {order}, h = {h}{' m' * is_si(run)}, {ranks})"
+    about = f"order {run.options['fsi_order']}, {' + '.join(sizes)} nodes, {ranks}"
+    return f"{run.case}, {what}  ({about})"
 
 
 def labelled(run: Run, label: str, unit: str) -> str:
@@ -108,7 +108,7 @@ def moment(run: Run, frame: int) -> str:
     return f"t = {run.time[frame]:.4g}{' s' * is_si(run)}"
 
 
-def panels(figure: FigureBase, count: int, columns: int) -> list[Axes]:
+def panels(figure: Figure, count: int, columns: int) -> list[Axes]:
     """Return so many axes, in rows."""
     rows, columns = -(-count // columns), min(columns, count)
     return [figure.add_subplot(rows, columns, k + 1) for k in range(count)]
@@ -129,20 +129,15 @@ def extremes(*arrays: Array) -> tuple[float, float]:
     return (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
 
 
-def colours(values: Array, signed: bool, name: str, beside: float) -> dict[str, Any]:
-    """Return colour map and range of values. Signed ones on both sides of 0 get a map of SIGNED,
-    white there, others one of PLAIN; name: of the map.
-
-    Colours end where 99.8 % of the values do, where a few go far beyond. beside: size of what
-    has the same unit, beside which round-off is nothing.
+def colours(values: Array, signed: bool, name: str, size: float) -> dict[str, Any]:
+    """Return colour map and range of values, of which a few may lie outside. Signed ones on both
+    sides of 0 get a map of SIGNED, white there, others one of PLAIN; name: of the map. size: of all
+    that has the same unit, beside which round-off is nothing.
     """
-    low, high = extremes(values)
-    inner = np.nanpercentile(values, [0.1, 99.9]) if low < high else (low, high)
-    if high - low > ROBUST * (inner[1] - inner[0]) > 0:
-        low, high = map(float, inner)
-    size, middle = max(-low, high, beside), 0.5 * (low + high)
+    known = values[np.isfinite(values)]
+    low, high = map(float, np.percentile(known, INSIDE)) if known.size else (0.0, 0.0)
     if high - low <= NOTHING * size:
-        low, high = middle - (0.1 * size or 1.0), middle + (0.1 * size or 1.0)
+        low, high = (0.5 * (low + high) + sign * (0.1 * size or 1.0) for sign in (-1, 1))
     maps = PLAIN
     if signed and min(-low, high) > BESIDE * (high - low):
         maps, high = SIGNED, max(-low, high)
@@ -211,13 +206,10 @@ class View:
             title = labelled(run, quantity.title, quantity.unit)
             self.labels, self.ratio = (last, title.replace("; ", ",\n")), 1.6
 
-    def _rings(self, layer: Layer) -> tuple[int, ...]:
-        return layer.rings if self.run.dimension == 2 else ()
-
-    def at(self, layer: Layer, frame: int, more: str = "", closed: bool = True) -> list[Array]:
+    def at(self, layer: Layer, frame: int, more: str = "") -> list[Array]:
         """Return places of a frame, horizontal ones and of maps vertical ones, more fields, and
-        values. Of three dimensions what lies in the middle of the second axis. closed: a ring ends
-        with the nodes that it begins with.
+        values. A block that closes, as an annulus does, ends with the nodes that it begins with. Of
+        three dimensions what lies in the middle of the second axis.
         """
         fields = layer.frame(frame)
         found = [fields[x] for x in ("x", "xy", "xz")[self.run.dimension - 1] + more]
@@ -225,8 +217,11 @@ class View:
             found.append(self.quantity.values(layer, fields))
         else:
             found.append(np.full_like(found[0], np.nan))
-        for axis in self._rings(layer) if closed else ():
-            found = [np.append(v, v.take([0], axis), axis) for v in found]
+        for axis in (0, 1) if self.run.dimension == 2 else ():
+            first, second, last = (layer.places.take(k, axis) for k in (0, 1, -1))
+            step, gap = (np.linalg.norm(of - first, axis=-1).max() for of in (second, last))
+            if layer.periodic[1 - axis] and gap < 3.0 * step:
+                found = [np.append(v, v.take([0], axis), axis) for v in found]
         return [v[:, v.shape[1] // 2] if v.ndim == 3 else v for v in found]
 
     def size(self, count: int = 0) -> tuple[int, float, float]:
@@ -243,9 +238,9 @@ class View:
     def _colour(self, values: list[list[Array]]) -> None:
         """Make scales and bars, which gas and solid share if both or none have a sign."""
         quantity, labels = self.quantity, self.quantity.labels
-        last = [layer.frame(-1) for layer in self.run.layers]
-        same = [v for of in last for k, v in of.items() if written(unit_of(k)) == quantity.unit]
-        size = max(map(abs, extremes(*same)))
+        last = [of for layer in self.run.layers for of in layer.frame(-1).items()]
+        same = [of for name, of in last if written(unit_of(name)) == quantity.unit]
+        size = max(map(abs, extremes(*same, *chain(*values))))
         begins = int(self.frames[0] == 0)  # initial data may go far beyond what follows
         for signed in dict.fromkeys(map(quantity.signed, labels)):
             kinds = [kind for kind in labels if quantity.signed(kind) == signed]
@@ -294,27 +289,26 @@ class View:
 
     def _streamlines(self, axes: Axes, frame: int) -> None:
         """Draw lines along the velocities of gases, as they are at a frame."""
+        from matplotlib.path import Path as Outline
         from matplotlib.tri import LinearTriInterpolator, Triangulation
 
         x, y = (np.linspace(*bounds, STREAM) for bounds in self.limits)
-        flow = np.full((2, STREAM, STREAM), np.nan)
+        points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+        flow = np.full((2, len(points)), np.nan)
         for layer in self.layers:
             if layer.kind == "fluid":
-                names = "uv" if self.run.dimension == 2 else "uw"
-                *at, u, v, _ = self.at(layer, frame, names, closed=False)
-                n = np.arange(u.size).reshape(u.shape)
-                for axis in self._rings(layer):
-                    n = np.append(n, n.take([0], axis), axis)
-                a, b, c, d = (of.ravel() for of in (n[:-1, :-1], n[:-1, 1:], n[1:, :-1], n[1:, 1:]))
-                mesh = Triangulation(*map(np.ravel, at), np.r_[np.c_[a, b, c], np.c_[b, d, c]])
-                for of, values in zip(flow, (u, v)):
-                    found = LinearTriInterpolator(mesh, values.ravel())(*np.meshgrid(x, y))
-                    np.copyto(of, found.data, where=~found.mask)
+                found = self.at(layer, frame, "uv" if self.run.dimension == 2 else "uw")[:4]
+                around = [np.r_[v[0], v[:, -1], v[-1, ::-1], v[::-1, 0]] for v in found[:2]]
+                inside = Outline(np.transpose(around)).contains_points(points)
+                x_nodes, y_nodes, *values = map(np.ravel, found)
+                mesh = Triangulation(x_nodes, y_nodes)
+                for of, v in zip(flow, values):
+                    of[inside] = LinearTriInterpolator(mesh, v)(*points[inside].T).filled(np.nan)
         speed = np.hypot(*flow)
-        if not np.isfinite(speed).any():  # a field of solids alone
-            return
-        flow[:, speed < STILL * np.nanmax(speed)] = np.nan
-        axes.streamplot(x, y, *flow, color="white", linewidth=0.5, arrowsize=0.5)
+        if np.isfinite(speed).any():  # else there are solids alone
+            flow[:, speed < STILL * np.nanmax(speed)] = np.nan
+            lines = flow.reshape(2, STREAM, STREAM)
+            axes.streamplot(x, y, *lines, color="white", linewidth=0.5, arrowsize=0.5)
 
 
 def frames_of(run: Run, quantity: Quantity, times: Sequence[float] = ()) -> list[int]:
@@ -323,7 +317,7 @@ def frames_of(run: Run, quantity: Quantity, times: Sequence[float] = ()) -> list
     return sorted({run.at(t) for t in times or np.linspace(run.time[0], run.time[-1], count)})
 
 
-def draw(figure: FigureBase, view: View) -> None:
+def draw(figure: Figure, view: View) -> None:
     """A panel for each frame, colour bars or a legend above."""
     columns, width, _ = view.size()
     grid = panels(figure, len(view.frames), columns)
@@ -338,7 +332,7 @@ def draw(figure: FigureBase, view: View) -> None:
         legend_above(grid[columns - 1], side="right")
 
 
-def draw_bars(figure: FigureBase, view: View, axes: Any) -> None:
+def draw_bars(figure: Figure, view: View, axes: Any) -> None:
     """Draw colour bars above one panel, or a list of them."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
@@ -354,17 +348,21 @@ def draw_bars(figure: FigureBase, view: View, axes: Any) -> None:
         bar.ax.locator_params(nbins=6 if wide else 4)
 
 
-def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity]) -> None:
-    """Draw a map of each quantity over x and t, with the interfaces as lines."""
+def draw_over_time(figure: Figure, run: Run, quantities: Sequence[Quantity]) -> None:
+    """Draw a map of each quantity over x and t, with the interfaces as lines. Points in reserve, of
+    gases of the paper's method, have what the nearest active point has.
+    """
     grid = figure.subplots(1, len(quantities), sharex=True, sharey=True, squeeze=False)[0]
     for axes, quantity in zip(grid, quantities):
         view = View(run, quantity, range(run.nframes))
         for layer in view.layers:
-            values = filled(layer.X, [view.at(layer, frame)[-1] for frame in view.frames])
-            x, scale = layer.X + filled(layer.X, layer.x - layer.X), view.scales[layer.kind]
+            X, rows = layer.X, [view.at(layer, frame) for frame in view.frames]
+            there = [(x, values, np.isfinite(values)) for x, values in rows]
+            x = X + [np.interp(X, X[at], (x - X)[at]) for x, _, at in there]
+            values = [np.interp(X, X[at], values[at]) for _, values, at in there]
             t = np.broadcast_to(run.time[:, None], x.shape)
-            shades = np.linspace(scale["vmin"], scale["vmax"], SHADES)
-            axes.contourf(x, t, np.ma.masked_invalid(values), shades, extend="both", **scale)
+            shown = {"shading": "gouraud", "rasterized": True, **view.scales[layer.kind]}
+            axes.pcolormesh(x, t, values, **shown)
         lines = run.series.get("x_interface", np.empty((0, 0))).T
         for x, (color, width) in product(lines, OUTLINE):
             axes.plot(x, run.series["t"], color=color, linewidth=width)
@@ -373,11 +371,3 @@ def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity])
         axes.grid(visible=False)
     grid[0].set_ylabel(labelled(run, "t", "s"))
     grid[0].locator_params(axis="x", nbins=4)
-
-
-def filled(X: Array, rows: Iterable[Array]) -> Array:
-    """Return rows in which points in reserve, of the gases of the paper's method, have what the
-    nearest active point has: maps need a place and a value for all.
-    """
-    active = ((row, np.isfinite(row)) for row in rows)
-    return np.array([np.interp(X, X[there], row[there]) for row, there in active])

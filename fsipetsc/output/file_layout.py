@@ -158,19 +158,6 @@ def pieces(folder: Path) -> list[Path]:
     return [*takewhile(Path.exists, (piece(folder, k) for k in count(1)))]
 
 
-def read_about(file: h5py.File, name: str) -> dict[str, Any]:
-    """Return what is known of the run of a piece, which FileError calls by this name; any exception
-    if it is damaged.
-    """
-    about: dict[str, Any] = json.loads(file["about"][()] if "about" in file else "{}")
-    if about.get("format") != FORMAT:
-        raise FileError(f"{name}: is not a result of fsipetsc")
-    if about["version"] != VERSION:
-        said = f"has the file format {about['version']}, and this fsipetsc reads {VERSION}"
-        raise FileError(f"{name}: {said}")
-    return {"summary": {}, "errors": {}, **about}
-
-
 def numbers(found: h5py.Dataset, *shape: int | None) -> Array:
     """Return numbers of this shape, in which None is any length. ValueError."""
     fits = all(n in (None, m) for n, m in zip(shape, found.shape))

@@ -20,6 +20,7 @@ from fsipetsc.output.info import Rows
 from fsipetsc.problem import Problem
 
 LINES = 24  # of the grid that are drawn, about, along each axis
+SLENDER = 3  # height over width: names of more slender blocks stand beside them
 #: what is at a face -> how it is drawn, the last ones on top
 FACES: dict[str, dict[str, Any]] = {
     "condition": {"linewidth": 2.0, "zorder": 3},
@@ -138,26 +139,29 @@ def _draw_block(view: drawing.Axes, one: Outline) -> None:
     thin = [line for face in product(range(d), (0, 1)) for line in edges(*face)]
     if d == 2:
         view.contourf(*X.T, 0.0 * X[..., 0].T, [-1, 1], colors=[color], alpha=0.15)
-        thin += [
-            line for rows in (X, X.swapaxes(0, 1)) for line in rows[:: ceil(len(rows) / LINES)]
-        ]
+        thin += [line for rows in (X, X.swapaxes(0, 1)) for line in rows[:: len(rows) // LINES + 1]]
     for line in thin:
         view.plot(*line.T, color=color, linewidth=0.5 * (d - 1), alpha=0.6, label=one.kind)
-    centre = _centre(X)
-    middle: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 9}
-    view.text(*centre, one.name, color=color, weight="bold", **middle)
+    centre, size = _centre(X), np.ptp(X, axis=tuple(range(d)))
+    middle: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 9, "fontsize": 8}
+    slender = len(one.shape) == 2 and size[1] > SLENDER * size[0]  # its name stands beside it
+    beside = {"s": f"  {one.name}", "ha": "left"} if slender else {"s": one.name}
+    view.text(*centre, color=color, weight="bold", **middle | beside)
     for face, (kind, text) in one.sides.items():
         label = "" if kind == "condition" else kind
         for line in (lines := edges(*face)):
             view.plot(*line.T, label=label, **{"color": color, **FACES[kind]})
-        if kind == "condition":
-            place = np.mean([*map(_centre, lines)], axis=0)
-            if d == 3:
-                view.text(*place, text, fontsize=7, **middle)
-                continue
-            out = (place - centre) / np.linalg.norm(place - centre)
-            turned = {"rotation": 90 * (abs(out[0]) > abs(out[1])), "fontsize": 7}
-            view.annotate(text, place, 8.0 * out, textcoords="offset points", **turned, **middle)
+        if kind != "condition":
+            continue
+        place = np.mean([*map(_centre, lines)], axis=0)
+        out = (place - centre) / np.linalg.norm(place - centre)
+        if d == 3:  # beside the block, at the end of a line
+            far = place + 0.2 * size.max() * out
+            view.plot(*np.transpose([place, far]), "k:", linewidth=0.8)
+            view.text(*far, text, backgroundcolor="white", **middle)
+        else:
+            more = {"rotation": 90 * (abs(out[0]) > abs(out[1])), "textcoords": "offset points"}
+            view.annotate(text, place, 8.0 * out, **more, **middle)
 
 
 def _centre(X: Array) -> Array:

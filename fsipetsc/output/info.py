@@ -10,7 +10,7 @@ from fsipetsc.checks import duration
 from fsipetsc.options import INT_MAX
 from fsipetsc.output.file_layout import damage
 from fsipetsc.output.quantities import is_si
-from fsipetsc.output.reader import Run, open_run
+from fsipetsc.output.reader import Layer, Run, open_run
 
 Rows = list[tuple[str, str]]
 
@@ -18,11 +18,10 @@ Rows = list[tuple[str, str]]
 def info(path: str | os.PathLike[str]) -> str:
     """Return case, times, layers, series, options, summary and errors of a result. FileError."""
     with open_run(path) as run, damage(run.path):
-        summary = {name: value for name, value in run.summary.items() if name != "interfaces"}
         parts = {
-            "layers": _layers(run),
+            "layers": [(layer.name, _layer(run, layer)) for layer in run.layers],
             "options": [(f"-{k}", _text(value)) for k, value in run.options.items() if value != ""],
-            "summary": summary_rows(summary, " s" * is_si(run)),
+            "summary": summary_rows({**run.summary, "interfaces": None}, " s" * is_si(run)),
             f"{run.options.get('fsi_norm', 'L2')} errors": summary_rows(run.errors),
         }
         tables = [[("file", os.fspath(path)), *_overview(run)]]
@@ -41,9 +40,8 @@ def _overview(run: Run) -> Rows:
     dt, x = run.series.get("dt", np.empty(0)), run.series.get("x_interface", ())
     places, s = ", ".join(run.interfaces) or "none", " s" * is_si(run)
     if len(x):  # in one dimension
-        named = zip(run.interfaces, x[-1])
-        places = ", ".join(f"{name} at x = {value:.6g}" for name, value in named)
-        places += f" at t = {run.series['t'][-1]:g}"
+        named = (f"{name} at x = {value:.6g}" for name, value in zip(run.interfaces, x[-1]))
+        places = f"{', '.join(named)} at t = {run.series['t'][-1]:g}"
     state = run.summary.get("status", "unfinished: still running, or killed")
     rows = [
         ("case", run.case),
@@ -60,14 +58,11 @@ def _overview(run: Run) -> Rows:
     return [(name, text) for name, text in rows if text]
 
 
-def _layers(run: Run) -> Rows:
-    rows = []
-    for layer in run.layers:
-        axes = "XYZ"[: run.dimension]
-        grid = layer.size + "".join(_range(f", {name} =", getattr(layer, name)) for name in axes)
-        spacing = f", h = {layer.h:g}" * (run.dimension == 1)
-        rows.append((layer.name, f"{layer.kind}, {grid}{spacing}; {', '.join(layer.fields)}"))
-    return rows
+def _layer(run: Run, layer: Layer) -> str:
+    axes = "XYZ"[: run.dimension]
+    grid = layer.size + "".join(_range(f", {name} =", getattr(layer, name)) for name in axes)
+    spacing = f", h = {layer.h:g}" * (run.dimension == 1)
+    return f"{layer.kind}, {grid}{spacing}; {', '.join(layer.fields)}"
 
 
 def _range(label: str, values: Any, unit: str = "") -> str:
@@ -76,17 +71,15 @@ def _range(label: str, values: Any, unit: str = "") -> str:
 
 
 def summary_rows(summary: Mapping[str, Any], unit: str = "") -> Rows:
-    """Return entries of Run.summary, or Run.errors, but for what is empty. unit: what comes after
-    a time.
-    """
+    """Return entries of Run.summary, or Run.errors, but for what is empty. unit: of a time."""
     written = {
         "t": lambda t: _text(t) + unit,
         "departures": lambda of: ", ".join(f"{name} {size:.1e}" for name, size in of.items()),
         "wall_time": duration,
     }
-    known = {name: value for name, value in summary.items() if value not in ("", None, {}, [])}
-    shown = (name for name in known if not name.startswith("initial_"))
-    return [(name, written.get(name, _text)(known[name])) for name in shown]
+    shown = (k for k, v in summary.items() if v not in ("", None, {}, []))
+    names = (name for name in shown if not name.startswith("initial_"))
+    return [(name, written.get(name, _text)(summary[name])) for name in names]
 
 
 def _text(value: Any) -> str:

@@ -18,7 +18,7 @@ from fsipetsc.checks import Array, counted
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option
 from fsipetsc.output import drawing
-from fsipetsc.output.drawing import USUAL, Figure, FigureBase, View, Wanted
+from fsipetsc.output.drawing import USUAL, Figure, View, Wanted
 from fsipetsc.output.file_layout import columns_of, writing
 from fsipetsc.output.info import info
 from fsipetsc.output.quantities import Quantity, chosen, there, unit_of, written
@@ -64,24 +64,19 @@ def plot(path: str, given: Mapping[str, str]) -> str:
     )
     where, every, film = Path(given.get("-o", os.curdir)), "-all" in given, "-animate" in given
     endings = () if every else FILMS if film else PICTURES
-    if where.suffix in PICTURES + FILMS and where.suffix not in endings:
+    if where.suffix in {*PICTURES, *FILMS} - {*endings}:
         expected = " or ".join(["a directory", *endings])
         raise InputError(f"plot: -o {where}: expected {expected}")
-    stem, done = Path(path).stem, []
-
-    def named(name: str) -> Path:
-        return where if where.suffix in endings else where / name
-
+    file, stem, done = where.suffix in endings, Path(path).stem, list[Path]()
     with open_run(path) as run, rc_context(drawing.STYLE), np.errstate(all="ignore"):
-        if every:
-            for name, drawn in pictures(run, wanted).items():
-                done.append(drawing.save(drawn(), named(f"{stem}-{name}.png")))
+        for name, drawn in pictures(run, wanted).items() if every else ():
+            done.append(drawing.save(drawn(), where / f"{stem}-{name}.png"))
         if film:
             kinds = FILMS if FFMpegWriter.isAvailable() else FILMS[:1]
-            targets = dict.fromkeys(named(stem + ending) for ending in kinds)
+            targets = [where] if file else [where / f"{stem}{kind}" for kind in kinds]
             done += [animate(run, target, wanted) for target in targets]
         if not done:
-            done = [drawing.save(page(run, wanted), named(f"{stem}.png"))]
+            done = [drawing.save(page(run, wanted), where if file else where / f"{stem}.png")]
     return "\n".join(map(str, done))
 
 
@@ -105,7 +100,7 @@ def report(path: str, given: Mapping[str, str]) -> Path:
 
 
 #: height [inches], what is drawn on a figure of this height
-Drawing = tuple[float, Callable[[FigureBase], None]]
+Drawing = tuple[float, Callable[[Figure], None]]
 
 
 def pictures(run: Run, wanted: Wanted = USUAL) -> dict[str, Callable[[], Figure]]:
@@ -177,7 +172,7 @@ def all_panels(run: Run) -> dict[str, list[Panel]]:
     In two dimensions deflections come first, the largest before the others. Departures from laws
     come before totals. Of some steps each the longest is drawn: those to saved times are shorter.
     """
-    found: dict[str, list[Panel]] = {"interfaces": [], "ledgers": [], "steps": []}
+    found: dict[str, list[Panel]] = {name: [] for name in ("interfaces", "ledgers", "steps")}
     if run.dimension == 2 and run.nframes > 1:
         lines = [run.interface(k) for k in range(len(run.interfaces))]
         for line in sorted(lines, key=lambda line: -np.nanmax(np.abs(line.displacement))):
@@ -189,10 +184,9 @@ def all_panels(run: Run) -> dict[str, list[Panel]]:
         return found
     laws, prefix = run.header.get("laws"), "initial_"
     initial = {k.removeprefix(prefix): v for k, v in run.summary.items() if k.startswith(prefix)}
-    # not known of a result that begins at a restart
-    known = laws and initial and t[0] < 1.5 * run.series["dt"][0]
-    if known and (departed := Drifts(laws, initial).go_on(run.series)):
-        found["ledgers"].append(Panel(DEPARTURE, "", t, departed, logarithmic=True))
+    if laws and initial and t[0] < 1.5 * run.series["dt"][0]:  # it does not begin at a restart
+        if departed := Drifts(laws, initial).go_on(run.series):
+            found["ledgers"].append(Panel(DEPARTURE, "", t, departed, logarithmic=True))
     for name, one in SERIES.items():
         if one.label and name in run.series:
             label, values, start = one.label.replace("*", name[-1]), run.series[name], 0.0
@@ -223,7 +217,7 @@ def probed(run: Run, quantities: Sequence[Quantity], places: Sequence[Any]) -> l
     return panels
 
 
-def _draw_curves(figure: FigureBase, run: Run, panels: list[Panel], columns: int) -> None:
+def _draw_curves(figure: Figure, run: Run, panels: list[Panel], columns: int) -> None:
     times = np.concatenate([run.time, run.series.get("t", [])])
     for axes, panel in zip(drawing.panels(figure, len(panels), columns), panels):
         axes.set_prop_cycle(**drawing.CURVES)
@@ -263,7 +257,7 @@ def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
     """Draw a result as a film, all frames with the same scales, into a file that ends with .gif or
     .mp4, which is returned. FileError, InputError.
     """
-    from matplotlib.animation import FuncAnimation, writers
+    from matplotlib.animation import writers
     from matplotlib.figure import Figure
 
     if run.nframes < 2:
@@ -278,12 +272,6 @@ def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
     titles = {frame: drawing.of_run(run, drawing.moment(run, frame)) for frame in frames}
     title = drawing.set_title(figure, max(titles.values(), key=len))  # the layout has room for each
 
-    def turn(frame: int) -> None:
-        for axes, view in zip(grid, views):
-            axes.clear()
-            view.draw(axes, frame)
-        title.set_text(titles[frame])
-
     for axes, view in zip(grid, views):
         view.draw(axes, 0)
         if plane:
@@ -293,6 +281,11 @@ def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
     with writing(target, "the film"):
         name = "pillow" if target.suffix == ".gif" else "ffmpeg"
         writer = writers[name](fps=max(1.0, len(frames) / FILM_SECONDS))
-        film = FuncAnimation(figure, turn, frames, init_func=lambda: None, cache_frame_data=False)
-        film.save(target, writer, dpi=FILM_DPI)
+        with writer.saving(figure, target, FILM_DPI):
+            for frame in frames:
+                for axes, view in zip(grid, views):
+                    axes.clear()
+                    view.draw(axes, frame)
+                title.set_text(titles[frame])
+                writer.grab_frame()
     return target

@@ -10,6 +10,7 @@ Example::
 
 from __future__ import annotations
 
+import json
 import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -19,16 +20,17 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.checks import Array, counted
-from fsipetsc.errors import FileError
+from fsipetsc.errors import FileError, short
 from fsipetsc.output.file_layout import (
+    FORMAT,
     NAMES,
+    VERSION,
     beside,
     columns,
     damage,
     numbers,
     open_h5,
     pieces,
-    read_about,
 )
 
 
@@ -68,31 +70,32 @@ class Run:
             name = f"{name.removesuffix('.parts')}.h5"
         self.path = os.path.abspath(name)
         whole = Path(self.path)
-        if not whole.exists() and (found := pieces(beside(whole, ".parts"))):
-            try:
-                self._read(found)
-            except FileError:
-                if not whole.exists():
-                    raise
-            if not whole.exists():  # else the pieces have become one file meanwhile
-                return
-        if not whole.is_file():  # a pipe would wait for a writer
+        found = [] if whole.exists() else pieces(beside(whole, ".parts"))
+        if not found and not whole.is_file():  # a pipe would wait for a writer
             what = "is no regular file" if whole.exists() else "there is no such file"
             raise FileError(f"{name}: {what}")
-        self._read([whole], name)
+        try:
+            self._read(found or [whole])
+        except FileError:
+            if not (found and whole.exists()):
+                raise
+        if found and whole.exists():  # the pieces have become one file meanwhile
+            self._read([whole])
 
-    def _read(self, files: Sequence[Path], name: str = "") -> None:
-        """Read all but fields. FileError, which tells what is not as it should be.
-
-        name: of a file, as it was given; else the files go by their whole paths.
-        """
+    def _read(self, files: Sequence[Path]) -> None:
+        """Read all but fields. FileError, which tells what is not as it should be."""
         self._files: list[tuple[Path, int]] = []  # and how many frames they have
         nodes, times, series = list[Array](), list[Array](), dict[str, list[Array]]()
         for path in files:
-            called = name or str(path)
+            called = short(path)
             with damage(called), open_h5(path) as file:
-                self.about = read_about(file, called)
-                layers = self.about["header"]["layers"]
+                about: dict[str, Any] = json.loads(file["about"][()] if "about" in file else "{}")
+                if about.get("format") != FORMAT:
+                    raise FileError(f"{called}: is not a result of fsipetsc")
+                if about["version"] != VERSION:
+                    said = f"has the file format {about['version']}"
+                    raise FileError(f"{called}: {said}, and this fsipetsc reads {VERSION}")
+                layers = about["header"]["layers"]
                 times.append(numbers(file["time"], None))
                 self._files.append((path, len(times[-1])))
                 if "series" in file:
@@ -105,10 +108,11 @@ class Run:
                     n, d = math.prod(of["shape"]), len(of["shape"])
                     nodes.append(numbers(file[f"layer{k}/X"], *((n, d) if d > 1 else (n,))))
         with damage(self.path):
+            self.about = {"summary": {}, "errors": {}, **about}
             self.time = np.concatenate(times)
             self.nframes = len(self.time)
             self.series = {name: np.concatenate(values) for name, values in series.items()}
-            self.header: dict[str, Any] = (header := self.about["header"])
+            self.header: dict[str, Any] = (header := about["header"])
             self.case: str = header["case"]
             self.options: dict[str, Any] = header["options"]
             self.interfaces: tuple[str, ...] = tuple(header.get("interfaces", ()))
@@ -119,8 +123,8 @@ class Run:
             self.summary: dict[str, Any] = end | {k: header[k] for k in ("ranks", "versions")}
             self.errors: dict[str, dict[str, float]] = self.about["errors"]
             self.dimension = int(header.get("dimension", 1))
-            about = enumerate(zip(layers, nodes or [np.empty(0)] * len(layers)))
-            self.layers = tuple(Layer(self, k, *of) for k, of in about)
+            every = zip(layers, nodes or [np.empty(0)] * len(layers))
+            self.layers = tuple(Layer(self, k, *of) for k, of in enumerate(every))
             self.blocks: dict[str, Layer] = {layer.name: layer for layer in self.layers}
 
     def _need_frames(self) -> None:
@@ -214,17 +218,6 @@ class Layer(Mapping[str, Array]):
     def size(self) -> str:
         """Return the size of its grid in words, as "65 by 33 points"."""
         return f"{' by '.join(map(str, self.shape[::-1]))} points"
-
-    @property
-    def rings(self) -> tuple[int, ...]:
-        """Return axes of the arrays along which the block closes, as an annulus does."""
-        found = []
-        for axis in range(len(self.shape)):
-            first, second, last = (self.places.take(k, axis) for k in (0, 1, -1))
-            step, gap = (np.linalg.norm(of - first, axis=-1).max() for of in (second, last))
-            if self.periodic[len(self.shape) - 1 - axis] and gap < 3.0 * step:
-                found.append(axis)
-        return tuple(found)
 
     def frame(self, number: int) -> dict[str, Array]:
         """Return all fields of a frame, name -> array of `shape`; negative numbers count from the

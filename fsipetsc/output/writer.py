@@ -10,7 +10,6 @@ the first piece.
 """
 
 import fcntl
-import itertools
 import json
 import math
 import os
@@ -18,6 +17,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
+from itertools import count
 from pathlib import Path
 from typing import IO, Any, TypeVar
 
@@ -49,8 +49,8 @@ class RunWriter:
     path            of the file in the end; FileError while another run is writing it
     header          JSON-able: case, options, versions, ranks, interfaces, layers (name, kind,
                     fields, shape of each), units …
-    grids           of each layer `n`, the number of points of all ranks, and `X`, (local,) or
-                    (local, d), the places of those that this rank owns; ranks own points in order
+    grids           of each layer the places (local, d) of the points that this rank owns; ranks own
+                    points in order
     take_series     hands over, on rank 0, the steps since the last time, as an array of records
                     with "t" first, which may be overwritten later. All ranks call it
     after           what is kept of a result of this name and this run (header["run"]), after which
@@ -66,18 +66,19 @@ class RunWriter:
         comm: MPI.Comm,
         path: str | os.PathLike[str],
         header: Mapping[str, Any],
-        grids: Sequence[Mapping[str, Any]],
+        grids: Sequence[Array],
         take_series: Callable[[], Array],
         after: Kept | None = None,
         checkpoint: Path | None = None,
     ) -> None:
         self._comm, self._root, self._take_series = comm, comm.rank == 0, take_series
+        self._grids = list(grids)  # empty when they are written
+        self._points = [math.prod(layer["shape"]) for layer in header["layers"]]  # of all ranks
         self._widths = [len(columns(layer)) for layer in header["layers"]]
-        size = 8 * sum(int(grid["n"]) * width for grid, width in zip(grids, self._widths))
+        size = 8 * int(np.dot(self._points, self._widths))
         self._capacity = max(1, min(FRAMES, BYTES * comm.size // max(1, size)))
         self._begun = time.monotonic()
         self._next_flush = self._begun + SECONDS
-        self._grids, self._grids_written = list(grids), False
         self._frames: list[list[Array]] = []  # not yet written: of each layer (local, columns)
         self._times: list[float] = []  # of these
         self._new_rows: list[Array] = []  # likewise; on rank 0
@@ -114,42 +115,12 @@ class RunWriter:
         """Write all that is held in memory. Collective."""
         begun = time.monotonic()
         self._take()
-        if not self._comm.bcast(bool(self._frames or self._new_rows)):
-            return
-        self._piece()
-        now = time.monotonic()
-        # writing takes at most 2 % of the time, and a long run has at most some hundred pieces
-        self._next_flush = now + max(SECONDS, 50 * (now - begun), 0.01 * (now - self._begun))
-
-    def _piece(self) -> None:
-        """Write a piece with all that is held in memory. Collective."""
-        parts = {}  # name -> what this rank has of a dataset, number of points of all ranks
-        for k, layer in enumerate(self._grids if self._frames else ()):
-            if not self._grids_written:
-                X = layer["X"]
-                parts[f"layer{k}/X"] = X[:, 0] if X.shape[1:] == (1,) else X, int(layer["n"])
-            frames = np.concatenate([frame[k] for frame in self._frames], axis=1)
-            parts[f"layer{k}/frames"] = frames, int(layer["n"])
-        shapes = {name: (n, *local.shape[1:]) for name, (local, n) in parts.items()}
-        numbers = {"about": np.bytes_(json.dumps(self._about)), "time": np.array(self._times)}
-        if self._new_rows:
-            rows = np.concatenate(self._new_rows)
-            numbers |= {f"series/{name}": rows[name] for name in rows.dtype.names}
-        self._on_root(lambda: lay_out(self._draft, layout.image(numbers, shapes, _CHUNK), shapes))
-        if parts:
-            # HDF5 would print what it met on its way to a file that this rank cannot open
-            self._together(lambda: open(self._draft, "r+b").close())
-            viewer = PETSc.ViewerHDF5()
-            self._together(lambda: viewer.create(str(self._draft), mode="a", comm=self._comm))
-            for name, (local, _) in parts.items():
-                self._together(partial(view, self._comm, viewer, name, local))
-            self._together(viewer.destroy)
-            self._grids_written = True
-        self._on_root(lambda: publish(self._draft, self._draft.with_suffix(".h5")))
-        self.rows += sum(map(len, self._new_rows))
-        self._number += 1
-        for written in (self._frames, self._times, self._new_rows):
-            written.clear()
+        if self._comm.bcast(bool(self._frames or self._new_rows)):
+            self._piece()
+            now = time.monotonic()
+            # writing takes at most 2 % of the time, and a long run has some hundred pieces at most
+            wait = max(SECONDS, 50 * (now - begun), 0.01 * (now - self._begun))
+            self._next_flush = now + wait
 
     def finish(
         self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None = None, join: bool = True
@@ -166,12 +137,52 @@ class RunWriter:
 
     def close(self) -> None:
         """Let other runs have the name. What was written stays. Not collective."""
-        if self._lock is not None and not self._lock.closed:
+        if self._lock is None or self._lock.closed:
+            return
+        with suppress(OSError):
+            for draft in self.folder.glob("*.new"):
+                draft.unlink()
             if not layout.pieces(self.folder):
-                with suppress(OSError):
-                    os.unlink(self._lock.name)
-                    self.folder.rmdir()
-            self._lock.close()
+                os.unlink(self._lock.name)
+                self.folder.rmdir()
+        self._lock.close()
+
+    def _piece(self) -> None:
+        """Write a piece with all that is held in memory. Collective."""
+        parts = {}  # name of a dataset -> what this rank has of it, with so many points of all
+        for k, n in enumerate(self._points if self._frames else ()):
+            frames = np.concatenate([frame[k] for frame in self._frames], axis=1)
+            parts[f"layer{k}/frames"] = frames, n
+            if self._grids:
+                parts[f"layer{k}/X"] = self._grids[k], n
+        widths = {name: (n, local.shape[1]) for name, (local, n) in parts.items()}
+        # PETSc has no second axis for one number of each point
+        shapes = {name: (n, width) if width > 1 else (n,) for name, (n, width) in widths.items()}
+        numbers = {"about": np.bytes_(json.dumps(self._about)), "time": np.array(self._times)}
+        if self._new_rows:
+            rows = np.concatenate(self._new_rows)
+            numbers |= {f"series/{name}": rows[name] for name in rows.dtype.names}
+        self._on_root(lambda: lay_out(self._draft, layout.image(numbers, shapes, _CHUNK), shapes))
+        if parts:
+            # HDF5 would print what it met on its way to a file that this rank cannot open
+            self._together(lambda: open(self._draft, "r+b").close())
+            viewer = PETSc.ViewerHDF5()
+            self._together(lambda: viewer.create(str(self._draft), mode="a", comm=self._comm))
+            for name, (local, _) in parts.items():
+                self._together(partial(view, self._comm, viewer, name, local))
+            self._together(viewer.destroy)
+            self._grids.clear()
+        self._on_root(lambda: publish(self._draft, self._draft.with_suffix(".h5")))
+        self.rows += sum(map(len, self._new_rows))
+        self._number += 1
+        for written in (self._frames, self._times, self._new_rows):
+            written.clear()
+
+    def _take(self) -> None:
+        """Take the steps that have been made. Collective."""
+        rows = self._take_series()
+        if self._root and len(rows):
+            self._new_rows.append(rows.copy())
 
     # failing together
 
@@ -185,83 +196,61 @@ class RunWriter:
 
     def _together(self, action: Callable[[], Result]) -> Result:
         """Run `action` on all ranks; if it fails on one, raise on all. Collective."""
-
-        def explained() -> Result:
-            with layout.writing(self.path, "the result"):
-                return action()
-
         try:
-            return together(self._comm, explained)
+            return together(self._comm, layout.writing(self.path, "the result")(action))
         except FsiError:
-            if self._lock is not None:  # else another run writes there
-                with suppress(OSError):
-                    self._draft.unlink()
             self.close()
             raise
 
     # the files, on rank 0
 
-    def _begin(self, path: str, after: Kept | None, checkpoint: Path | None) -> tuple[int, int]:
-        """Make the folder. Its first piece is what is kept; another result of this name gets a new
-        name. Return how many frames and rows are kept.
-        """
-        whole = os.path.lexists(self.path)
-        if whole and not self.path.is_file():  # such as /dev/null
-            raise FileError(f"{path}: exists and is not a regular file")
-        self._lock = lock(self.folder, str(self.path))
-        left = layout.pieces(self.folder)
-        marks = {_mark(file) for file in [self.path] * whole + left[:1]}
-        if len(marks) > 1:
-            said = f"has pieces of another run than {self.path.name}; move one of them away"
-            raise FileError(f"{self.folder}: {said}")
-        if after is not None and marks == {self._about["header"].get("run")}:
-            (frames, rows, t), run = after, open_run(self.path)
-            ends = np.append(run.series.get("t", ()), np.nan)
-            ended = float(ends[min(rows, len(ends)) - 1]) if rows else t
-            if run.nframes < frames or ended != t:
-                found = f"it has {run.nframes} frames, and its step {rows} ends at t = {ended:.17g}"
-                what = f"{self.path} is not what the checkpoint goes on from"
-                raise FileError(f"{what}: {found}, not {t:.17g}")
-            join(run, self._draft, self._about, frames, rows)
-            clear(self.folder)
-            os.replace(self.path, layout.piece(self.folder, 1))
-        else:
-            frames, rows = 0, 0
-            if left and not whole:
-                with suppress(FileError):
-                    self._join()
-            if not os.path.lexists(self.path) and left:  # damaged, so set aside as they are
-                self.moved.append((self.folder, _set_pieces_aside(self.path)))
-            clear(self.folder)
-        for file in filter(os.path.lexists, (checkpoint or "", self.path)):
-            self.moved.append((Path(file), set_aside(Path(file))))
-        return frames, rows
-
-    def _join(self) -> None:
-        """Make one file of all pieces."""
-        run = open_run(self.path)
-        join(run, self._draft, run.about, run.nframes, len(run.series.get("t", ())))
-        clear(self.folder)
-        if run.dimension > 1:
-            write_xdmf(run)
-
     @property
     def _draft(self) -> Path:
         return layout.piece(self.folder, self._number, ".new")
 
-    def _take(self) -> None:
-        """Take the steps that have been made. Collective."""
-        rows = self._take_series()
-        if self._root and len(rows):
-            self._new_rows.append(rows.copy())
+    def _begin(self, path: str, after: Kept | None, checkpoint: Path | None) -> tuple[int, int]:
+        """Make the folder. Its first piece is what is kept; another result of this name gets a new
+        name. Return how many frames and rows are kept.
+        """
+        if os.path.lexists(self.path) and not self.path.is_file():  # such as /dev/null
+            raise FileError(f"{path}: exists and is not a regular file")
+        self._lock = lock(self.folder, str(self.path))
+        left = layout.pieces(self.folder)
+        earlier = [self.path] * self.path.exists()
+        marks = {_mark(file) for file in (*earlier, *left[:1])}
+        kept = after is not None and marks == {self._about["header"].get("run")}
+        if kept:
+            self._join(after)
+            os.replace(self.path, layout.piece(self.folder, 1))
+        aside = [] if kept else [*earlier, *[self.folder] * bool(left)]
+        aside += [checkpoint] * (checkpoint is not None)
+        self.moved += [(file, set_aside(file)) for file in aside]
+        if self.folder in aside:  # with which the lock has gone
+            self._lock.close()
+            self._lock = lock(self.folder, str(self.path))
+        return after[:2] if kept else (0, 0)
+
+    def _join(self, after: Kept | None = None) -> None:
+        """Make one file of all pieces, or of what is kept of a result."""
+        run = open_run(self.path)
+        steps = run.series.get("t", np.empty(0))
+        frames, rows, t = after or (run.nframes, len(steps), math.nan)
+        ended = [t, *steps, math.nan][min(rows, len(steps) + 1)]
+        if after is not None and (run.nframes < frames or ended != t):
+            found = f"it has {run.nframes} frames, and its step {rows} ends at t = {ended:.17g}"
+            what = f"{self.path} is not what the checkpoint goes on from"
+            raise FileError(f"{what}: {found}, not {t:.17g}")
+        join(run, self._draft, self._about, frames, rows)
+        clear(self.folder)
+        if run.dimension > 1 and after is None:
+            write_xdmf(run)
 
 
 def view(comm: MPI.Comm, viewer: PETSc.Viewer, name: str, local: Array) -> None:
     """Write this rank's part of a dataset of the piece in the making. Collective."""
     # a Vec of the world, of local length zero where the rank owns nothing: that of a part of
     # the ranks would lose data
-    width = local.shape[1] if local.ndim > 1 else 1
-    size = local.size, None
+    size, width = (local.size, None), local.shape[1]
     vec = PETSc.Vec().createWithArray(np.ascontiguousarray(local), size, bsize=width, comm=comm)
     group, dataset = name.split("/")
     vec.setName(dataset)
@@ -281,9 +270,6 @@ def _mark(file: Path) -> str | None:
     with suppress(FileError):  # it is none, or damaged
         return open_run(file).header.get("run")
     return None
-
-
-# the files
 
 
 def lock(folder: Path, name: str) -> IO[str]:
@@ -308,25 +294,18 @@ def clear(folder: Path) -> None:
         path.unlink()
 
 
-def _unused(file: Path) -> Path:
-    """Return NAME.1.h5 for NAME.h5, or the next number that no result has."""
-    ending = ".h5" * (file.suffix == ".h5")
-    names = (beside(file, f".{k}{ending}") for k in itertools.count(1))
-    taken = os.path.lexists
-    return next(x for x in names if not (taken(x) or taken(beside(x, ".parts"))))
-
-
 def set_aside(file: Path) -> Path:
-    """Give NAME.h5 the first number that no result has, as NAME.1.h5, which it returns. OSError."""
-    return file.rename(_unused(file))
-
-
-def _set_pieces_aside(file: Path) -> Path:
-    """Move the pieces of NAME.h5 likewise, to NAME.1.parts, which it returns. OSError."""
-    (new := beside(_unused(file), ".parts")).mkdir()
-    for piece in layout.pieces(beside(file, ".parts")):
-        piece.rename(new / piece.name)
-    return new
+    """Give NAME.h5, or the pieces NAME.parts, the first number that no result has, as NAME.1.h5.
+    Return the new name. OSError.
+    """
+    ending = file.suffix * (file.suffix in (".h5", ".parts"))
+    stem = str(file).removesuffix(ending)
+    free = (
+        f"{stem}.{k}{ending}"
+        for k in count(1)
+        if not any(os.path.lexists(f"{stem}.{k}{end}") for end in (ending, ".h5", ".parts"))
+    )
+    return file.rename(next(free))
 
 
 def lay_out(draft: Path, content: bytes, shapes: Mapping[str, tuple[int, ...]]) -> None:

@@ -181,9 +181,8 @@ class PaperState(State):
         self._do("stretch", 0)
         return self.parts[k].powers(t, power)
 
-    def grids(self) -> list[dict[str, Any]]:
-        """What the writer must know of the points of each layer: see RunWriter."""
-        return [{"n": v.local.shape[1], "X": v.X} for v in self.layers]
+    def grids(self) -> list[Array]:
+        return [layer.X[:, None] for layer in self.layers]
 
     def save(self) -> dict[int, Array]:
         """What is saved of this rank's points, (local, 5) by layer."""

@@ -155,13 +155,13 @@ def _common_values(runs: Sequence[Run]) -> Iterator[tuple[str, str, tuple[str, s
     """
     for layer, *others in zip(*(run.layers for run in runs)):
         pairs = [common_nodes(layer, other, []) for other in (layer, *others)]
-        every = reduce(np.intersect1d, [pair[0] if pair else [] for pair in pairs])
+        every = reduce(np.intersect1d, [pair[0] for pair in pairs])
         if not len(every):
             raise InputError(
                 f"layer '{layer.name}': no node of the coarsest grid is on all others; "
                 "-fsi_hs takes grids with common nodes, as in -fsi_hs 0.1,0.05,0.025"
             )
-        nodes = [pair[1][np.searchsorted(pair[0], every)] for pair in pairs if pair]
+        nodes = [of_other[np.searchsorted(own, every)] for own, of_other in pairs]
         for name in layer.fields:
             ends = [of.frame(-1)[name].ravel()[at] for of, at in zip((layer, *others), nodes)]
             yield layer.name, name, (layer.kind, unit_of(name) or name), ends

@@ -22,7 +22,7 @@ from fsipetsc.checks import Array
 from fsipetsc.errors import RanksError
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import defaults
-from fsipetsc.output.drawing import STYLE, save, set_title
+from fsipetsc.output import drawing
 from fsipetsc.output.reader import Run, open_run
 from fsipetsc.process.together import Comm, together
 from fsipetsc.studies.tables import text_table
@@ -158,9 +158,10 @@ def picture(title: str, panels: Mapping[str, Mapping[str, Row]], path: Path) -> 
     import matplotlib
     from matplotlib.figure import Figure
 
-    with matplotlib.rc_context({**STYLE, "savefig.dpi": 80}):
-        figure = Figure(figsize=(2.0 + 5.0 * len(panels), 4.2), layout="constrained")
-        places = figure.subplots(1, len(panels), squeeze=False)[0]
+    with matplotlib.rc_context({**drawing.STYLE, "savefig.dpi": 80}):
+        columns, lines = min(3, len(panels)), -(-len(panels) // 3)
+        figure = Figure(figsize=(2.0 + 5.0 * columns, 4.2 * lines), layout="constrained")
+        places = drawing.panels(figure, len(panels), columns)
         for axes, (heading, rows) in zip(places, panels.items(), strict=True):
             colors = "tab10" if len(rows) <= 10 else "tab20"
             axes.set_prop_cycle(color=matplotlib.colormaps[colors].colors)
@@ -173,8 +174,8 @@ def picture(title: str, panels: Mapping[str, Mapping[str, Row]], path: Path) -> 
             axes.set_xticks([], minor=True)
             axes.set_xticks(spacings, [f"{h:.4g}" for h in spacings], fontsize=8)
             axes.legend(fontsize="x-small", loc="upper left", bbox_to_anchor=(1.0, 1.0))
-        set_title(figure, title)
-        save(figure, path)
+        drawing.set_title(figure, title)
+        drawing.save(figure, path)
 
 
 class Trial:
