@@ -36,7 +36,8 @@ def results(tmp_path_factory):
 
 def figure_of(run, name):
     with matplotlib.rc_context(drawing.STYLE):
-        figure = page.page(run) if name == "page" else page.pictures(run)[name]()
+        one = page.pictures(run).get(name)
+        figure = page.drawn(run, name, [one]) if one else page.page(run)
         FigureCanvasAgg(figure).draw()
     return figure
 

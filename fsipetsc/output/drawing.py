@@ -148,11 +148,10 @@ def colours(values: Array, signed: bool, name: str, size: float) -> dict[str, An
 def legend_above(axes: Axes, side: str = "left") -> None:
     """Draw a legend above a panel, at this side of it, of five entries at most."""
     entries: dict[str, Any] = dict(zip(*reversed(axes.get_legend_handles_labels())))
-    if names := list(entries)[:5]:
-        shown = [textwrap.shorten(name, LONGEST, placeholder=" …") for name in names]
-        more = {"ncol": 1 if max(map(len, shown)) > 12 else 2, "borderaxespad": 0.1}
-        corner = {"loc": f"lower {side}", "bbox_to_anchor": (side == "right", 1)}
-        axes.legend([entries[name] for name in names], shown, **corner, **more)
+    shown = [textwrap.shorten(name, LONGEST, placeholder=" …") for name in entries][:5]
+    more = {"ncol": 1 if max(map(len, shown), default=0) > 12 else 2, "borderaxespad": 0.1}
+    corner = {"loc": f"lower {side}", "bbox_to_anchor": (side == "right", 1)}
+    axes.legend([*entries.values()][:5], shown, **corner, **more)
 
 
 # fields
@@ -191,14 +190,12 @@ class View:
         self.layers = [layer for layer in run.layers if layer.kind in kinds]
         known = [[self.at(layer, k) for k in self.frames] for layer in self.layers]
         *ranges, (low, high) = np.array([extremes(*along) for along in zip(*chain(*known))])
-        self.scales, self.bars = dict[str, dict[str, Any]](), dict[str, str]()
         self._colour([[at[-1] for at in of] for of in known])
         last = "r" if run.header.get("symmetry") else "xyz"[run.dimension - 1]
         last = labelled(run, last, "m")
         if self.plane:
             margin = MARGIN * np.ptp(ranges, axis=1).max() * np.array([-1.0, 1.0])
-            self.limits = [*(ranges + margin)]
-            self.labels = labelled(run, "x", "m"), last
+            self.limits, self.labels = [*(ranges + margin)], (labelled(run, "x", "m"), last)
             self.ratio = float(np.ptp(self.limits[0]) / np.ptp(self.limits[1]))
         else:
             margin = 2 * MARGIN * (high - low) or 0.1 * abs(low) or 1.0
@@ -242,6 +239,7 @@ class View:
         same = [of for name, of in last if written(unit_of(name)) == quantity.unit]
         size = max(map(abs, extremes(*same, *chain(*values))))
         begins = int(self.frames[0] == 0)  # initial data may go far beyond what follows
+        self.scales, self.bars = dict[str, dict[str, Any]](), dict[str, str]()
         for signed in dict.fromkeys(map(quantity.signed, labels)):
             kinds = [kind for kind in labels if quantity.signed(kind) == signed]
             known = [of[begins:] or of for la, of in zip(self.layers, values) if la.kind in kinds]

@@ -6,8 +6,7 @@
 
 A piece has
 
-    about            JSON text of what is known of the run: format, version, header; at its end
-                     summary and errors, too
+    about            JSON text: format, version, header; at the end of a run summary and errors, too
     time             (k,) times of the frames [s]
     series/NAME      (m, …) a row for each step
     layer0/X         (n,) Lagrangian grid; of blocks (n, d), places of nodes in the reference map,
@@ -16,16 +15,14 @@ A piece has
     layer0/frames    in other pieces: (n, k c), for each point the c columns of each of k frames,
                      so that every rank writes its points as one part
 
-The columns of a layer are its fields, then x where that is not a field. HDF5's metadata has
-checksums (format of HDF5 1.10): a changed byte there is an error and not a crash.
+The columns of a layer are its fields, then x where that is not a field. A changed byte of HDF5's
+metadata, which has checksums (format of HDF5 1.10), is an error and not a crash.
 
 A checkpoint, which is numbers and a text and never code, has
 
     512 bytes        "fsipetsc checkpoint 7", the SHA-256 and the length of all that follows
-    an HDF5 file     header, JSON text; arrays/NAME for each array
-
-HDF5 passes over the first 512 bytes, so h5dump and h5py open the file as it is. The checksum is of
-every byte.
+    an HDF5 file     header, JSON text; arrays/NAME for each array. HDF5 passes over 512 bytes, so
+                     h5dump and h5py open the file as it is
 """
 
 import hashlib
@@ -63,8 +60,8 @@ def damage(path: str) -> Iterator[None]:
     except FileNotFoundError:  # a piece is gone when the pieces have become one file
         raise FileError(f"{path}: has changed since it was opened; open it again") from None
     except Exception as error:
-        what = "the file is damaged, or none of fsipetsc"
-        raise FileError(f"{path}: {what}: {reason(error)}") from error
+        said = f"the file is damaged, or none of fsipetsc: {reason(error)}"
+        raise FileError(f"{path}: {said}") from error
 
 
 @contextmanager
@@ -82,7 +79,7 @@ def writing(target: Path, what: str = "the picture") -> Iterator[None]:
 
 
 def check_folder(path: str | os.PathLike[str]) -> None:
-    """FileError, which names the file that is to be written, unless its directory takes files."""
+    """FileError unless the directory of a file that is to be written takes files."""
     folder = os.path.dirname(os.path.realpath(path))
     try:
         TemporaryFile(dir=folder).close()
@@ -97,7 +94,7 @@ def open_h5(path: str | os.PathLike[str], mode: str = "r") -> h5py.File:
 
 
 class _Memory(io.BytesIO):
-    """A file in memory, as h5py's driver for Python's file objects wants it."""
+    """A file in memory, which h5py can make longer by truncate."""
 
     def truncate(self, size: int | None = None) -> int:
         length = self.tell() if size is None else size
@@ -163,8 +160,7 @@ def numbers(found: h5py.Dataset, *shape: int | None) -> Array:
     fits = all(n in (None, m) for n, m in zip(shape, found.shape))
     if found.dtype.kind not in "iuf" or len(shape) != found.ndim or not fits:
         raise ValueError(f"{found.name} has the shape {found.shape} and the type {found.dtype}")
-    values: Array = found[...]
-    return values
+    return np.array(found)
 
 
 def columns_of(header: Mapping[str, Any]) -> dict[str, list[str]]:

@@ -69,8 +69,8 @@ def plot(path: str, given: Mapping[str, str]) -> str:
         raise InputError(f"plot: -o {where}: expected {expected}")
     file, stem, done = where.suffix in endings, Path(path).stem, list[Path]()
     with open_run(path) as run, rc_context(drawing.STYLE), np.errstate(all="ignore"):
-        for name, drawn in pictures(run, wanted).items() if every else ():
-            done.append(drawing.save(drawn(), where / f"{stem}-{name}.png"))
+        for name, one in pictures(run, wanted).items() if every else ():
+            done.append(drawing.save(drawn(run, name, [one]), where / f"{stem}-{name}.png"))
         if film:
             kinds = FILMS if FFMpegWriter.isAvailable() else FILMS[:1]
             targets = [where] if file else [where / f"{stem}{kind}" for kind in kinds]
@@ -88,8 +88,8 @@ def report(path: str, given: Mapping[str, str]) -> Path:
 
     target, shown = Path(given.get("-o", os.curdir)) / f"{Path(path).stem}.html", []
     with open_run(path) as run, rc_context(drawing.STYLE), np.errstate(all="ignore"):
-        for name, drawn in pictures(run).items():
-            drawn().savefig(kept := io.BytesIO(), dpi=HTML_DPI)
+        for name, one in pictures(run).items():
+            drawn(run, name, [one]).savefig(kept := io.BytesIO(), dpi=HTML_DPI)
             coded = base64.b64encode(kept.getvalue()).decode()
             shown.append(f'<img alt="{name}" src="data:image/png;base64,{coded}">')
         title = html.escape(f"{run.case}: {Path(run.path).name}")
@@ -103,21 +103,15 @@ def report(path: str, given: Mapping[str, str]) -> Path:
 Drawing = tuple[float, Callable[[Figure], None]]
 
 
-def pictures(run: Run, wanted: Wanted = USUAL) -> dict[str, Callable[[], Figure]]:
-    """Return name -> function that draws it, of each picture that this run has the data for."""
-    found = _drawings(run, wanted, every=True)
-    return {name: partial(_drawn, run, name, [drawing]) for name, drawing in found.items()}
-
-
 def page(run: Run, wanted: Wanted = USUAL) -> Figure:
     """Draw fields over space and time, and probes, interfaces, energy, departures, steps."""
     end = drawing.moment(run, -1) if run.nframes else "no frame"
     title = f"{end}, {len(run.series.get('t', ())):,} steps"
-    return _drawn(run, title, [*_drawings(run, wanted, every=False).values()])
+    return drawn(run, title, [*pictures(run, wanted, every=False).values()])
 
 
-def _drawings(run: Run, wanted: Wanted, every: bool) -> dict[str, Drawing]:
-    """Return name -> drawing: of every picture, or of those of the page."""
+def pictures(run: Run, wanted: Wanted = USUAL, every: bool = True) -> dict[str, Drawing]:
+    """Return name -> drawing: of every picture that the run has the data for, or of the page's."""
     found: dict[str, Drawing] = {}
     quantities = chosen(run, wanted.fields)
     over_time = run.dimension == 1 and run.nframes >= LEAST_FRAMES
@@ -135,20 +129,20 @@ def _drawings(run: Run, wanted: Wanted, every: bool) -> dict[str, Drawing]:
     for name, panels in rows.items():
         if panels:
             columns = 4 if name == "told" else 3
-            drawn = partial(_draw_curves, run=run, panels=panels, columns=columns)
-            found[name] = PANELS * -(-len(panels) // columns), drawn
+            curves = partial(_draw_curves, run=run, panels=panels, columns=columns)
+            found[name] = PANELS * -(-len(panels) // columns), curves
     return found
 
 
-def _drawn(run: Run, title: str, drawings: Sequence[Drawing]) -> Figure:
+def drawn(run: Run, title: str, drawings: Sequence[Drawing]) -> Figure:
     """Return a figure of drawings below each other, with the title."""
     from matplotlib.figure import Figure
 
     heights = [height for height, _ in drawings] or [1.0]
     figure = Figure(figsize=(WIDTH, 0.5 + sum(heights)))
     parts = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
-    for part, (_, drawn) in zip(parts, drawings):
-        drawn(part)
+    for part, (_, draw) in zip(parts, drawings):
+        draw(part)
     drawing.set_title(figure, drawing.of_run(run, title))
     return figure
 
@@ -231,8 +225,8 @@ def _draw_curves(figure: Figure, run: Run, panels: list[Panel], columns: int) ->
             axes.set_yscale("log")
             axes.margins(y=0.0)  # decades, which follow, are margin enough
             low, high = axes.get_ylim()
-            decades = np.log10([max(low, high / SPAN), high])
-            axes.set_ylim(10.0 ** np.floor(decades[0]), 10.0 ** np.ceil(decades[1]))
+            low, high = np.log10([max(low, high / SPAN), high])
+            axes.set_ylim(10.0 ** np.floor(low), 10.0 ** np.ceil(high))
             axes.yaxis.set_minor_formatter("")  # labels of less than two decades would touch
         if panel.label == STEP:
             axes.set_ylim(0.0, 1.05 * panel.curves["dt"].max())

@@ -38,10 +38,8 @@ _NORMAL = "s_xx", "s_yy", "s_zz", "sigma_theta"
 
 
 def unit_of(name: str, run: Run | None = None) -> str:
-    """Return unit of a field or series, as "kg m-3"; "" where it is not known, "1" of a run without
-    units.
-
-    Those of integrals are per area in one dimension, and so on, where the run is given.
+    """Return the unit of a field or series, as "kg m-3"; "" where it is not known. Where the run is
+    given, integrals are per area in one dimension, and so on; "1" of a run without units.
     """
     one = SERIES.get(name)
     unit = one.unit if one else FIELDS.get(name, ("", ""))[1]
@@ -70,14 +68,9 @@ class Quantity(NamedTuple):
     name: str
     labels: dict[str, str]
 
-    @property
-    def unit(self) -> str:
-        return written(unit_of(self.name))
-
-    @property
-    def title(self) -> str:
-        """Return what is shown of gases, then of solids if that is something else."""
-        return "; ".join(dict.fromkeys(self.labels.values()))
+    unit = property(lambda self: written(unit_of(self.name)))
+    #: what is shown of gases, then of solids if that is something else
+    title = property(lambda self: "; ".join(dict.fromkeys(self.labels.values())))
 
     def signed(self, kind: str) -> bool:
         """Whether its sign means something: not of pressures, densities and temperatures."""
@@ -91,18 +84,14 @@ class Quantity(NamedTuple):
             if "sigma" in fields:
                 return fields["p"] - fields["sigma"]
             return np.mean([fields[name] for name in _NORMAL if name in fields], axis=0)
-        if self.name == "schlieren":
-            return np.sqrt(np.linalg.norm(_gradient(fields["rho"], fields), axis=-1))
-        if self.name == "strain":  # by differences of second order
+        if self.name == "schlieren":  # by differences of second order on a curved grid
+            places = [fields[x] for x in "xyz" if x in fields]
+            along = [np.stack(np.gradient(v, edge_order=2), -1) for v in (*places, fields["rho"])]
+            gradient = np.linalg.solve(np.stack(along[:-1], axis=-1), along[-1][..., None])
+            return np.sqrt(np.linalg.norm(gradient[..., 0], axis=-1))
+        if self.name == "strain":  # likewise
             return np.gradient(fields["x"], layer.X, edge_order=2) - 1.0
         return fields[self.name]
-
-
-def _gradient(values: Array, fields: Mapping[str, Array]) -> Array:
-    """Return the gradient (…, d) in space on a curved grid, by differences of second order."""
-    places = [fields[x] for x in "xyz" if x in fields]
-    along = [np.stack(np.gradient(v, edge_order=2), axis=-1) for v in (*places, values)]
-    return np.linalg.solve(np.stack(along[:-1], axis=-1), along[-1][..., None])[..., 0]
 
 
 def there(run: Run) -> list[Quantity]:

@@ -37,16 +37,15 @@ from fsipetsc.output.file_layout import (
 class Run:
     """A result, as `open_run` and `run` return it.
 
-    Fields are read from the file when they are asked for, and then kept. No file stays open. As a
-    context manager it does nothing.
+    Fields are read from the file when they are asked for, and then kept. No file stays open, so as
+    a context manager it does nothing.
 
     Attributes:
         case: name of the case.
         options: name -> value of every option in force.
         about: all that the file says of the run: header, summary, errors.
         header: what was known at the start: versions, ranks, created …
-        summary: steps, rhs_evaluations, wall_time [s] … of the whole run. Of a run that has not
-            ended it has only versions and ranks.
+        summary: steps, rhs_evaluations, wall_time [s] …; versions and ranks, also before the end.
         errors: layer kind -> name -> error at the end, in the norm of `-fsi_norm`; empty where no
             exact solution is known.
         complete: whether the run came to its end; if not, `summary["status"]` may say why.
@@ -56,12 +55,11 @@ class Run:
         blocks: name -> the same layers.
         dimension: 1, 2 or 3.
         interfaces: names of the interfaces, from left to right.
-        points: of each node that is recorded at each step (`-fsi_probes`) the name of the block,
-            and (X, …) [m].
-        faces: of blocks the faces that no other one meets, and "through no face": the columns of
-            the series `energy_face` and `heat_face`.
+        points: (name of the block, (X, …) [m]) of each node that `-fsi_probes` records.
+        faces: columns of the series `energy_face` and `heat_face`: faces of blocks that no other
+            one meets, and "through no face".
         series: name -> (nsteps,) or (nsteps, m), a row for each time step: `t`, `dt`,
-            `x_interface` …; `python -m fsipetsc info` tells their units.
+            `x_interface` …; `python -m fsipetsc info` lists them.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -138,7 +136,7 @@ class Run:
 
     def interface(self, k: int | str) -> InterfaceLine:
         """Return the line of an interface of a run in two dimensions, by its number, counted from
-        below, or its name. KeyError if there is no such interface, FileError if no frame is saved.
+        below, or its name. KeyError; FileError if no frame is saved.
         """
         names = self.interfaces if self.dimension == 2 else ()
         if k not in (*names, *range(-len(names), len(names))):
@@ -151,9 +149,8 @@ class Run:
     def to_xarray(self) -> Any:
         """Return all frames and series as an xarray Dataset, with dimensions, coordinates, units.
 
-        Fields are "LAYER.FIELD" of the dimensions time and X_LAYER (in two dimensions time,
-        Y_LAYER, X_LAYER), positions are coordinates. Series are "series.NAME" of the dimension
-        step. A blank in the name of a layer is written as _. ImportError without xarray.
+        Fields are "LAYER.FIELD" of the dimensions time (Z_LAYER, Y_LAYER,) X_LAYER, with _ for a
+        blank in LAYER, positions are coordinates, series "series.NAME" of the dimension step.
         """
         from fsipetsc.output.quantities import to_xarray
 
@@ -177,16 +174,15 @@ class Run:
 class Layer(Mapping[str, Array]):
     """A layer or block of a result in d dimensions: a mapping from names of fields to arrays.
 
-    `layer[name]` has the shape (nframes, n_{d-1}, …, n_0); axis 0 is the last one. Units are those
-    of the SI: rho [kg/m3], u, v, w [m/s], T [K], p and stresses [Pa], x, y, z [m]; J, the volume of
-    the gas's grid over that at rest, has none. In the paper's method the points in reserve are NaN.
-    KeyError for a field that there is not; FileError where the file is damaged.
+    `layer[name]` has the shape (nframes, n_{d-1}, …, n_0); axis 0 is the last one. Units are SI.
+    Points in reserve, of the paper's method, are NaN. KeyError for a field that there is not;
+    FileError where the file is damaged.
 
     Attributes:
         name: name of the layer.
         kind: "fluid" or "solid".
-        fields: names: of a gas rho, u, v, w, T, p, J, x, y, z; of a solid u, v, w, T, stresses,
-            x, y, z, as far as there are dimensions; of layers u, sigma, T, x, p.
+        fields: names: of a gas rho, u, v, w, T, p, J (volume of the grid over that at rest), x, y,
+            z; of a solid u, v, w, T, stresses, x, y, z; of layers u, sigma, T, x, p.
         shape: (n_{d-1}, …, n_0).
         X: places in the reference map [m], of this shape; Y, Z: likewise. Where X depends on axis
             0 alone, Y on axis 1 and Z on axis 2, they are (n_0,), (n_1,), (n_2,).
@@ -220,8 +216,8 @@ class Layer(Mapping[str, Array]):
         return f"{' by '.join(map(str, self.shape[::-1]))} points"
 
     def frame(self, number: int) -> dict[str, Array]:
-        """Return all fields of a frame, name -> array of `shape`; negative numbers count from the
-        last frame. It reads less than whole fields. IndexError if there is no such frame.
+        """Return all fields of a frame, name -> array of `shape`, without reading the others;
+        negative numbers count from the last frame. IndexError.
         """
         self._run._need_frames()
         first = range(self._run.nframes)[number]
