@@ -81,6 +81,14 @@ def test_the_table_of_bench(tmp_path):
         assert (1.0 - 6e-3) * (points - more) < nodes < (1.0 + 6e-3) * (points + more)
 
 
+def test_the_slowest_mode_of_heat(tmp_path):
+    """It decays as the exact solution of the case; what is at rest is no mode."""
+    well(solve("modes", "heat", "-modes_near", 0.1, "-modes_count", 1, cwd=tmp_path))
+    (row,) = rows_of(tmp_path / "modes.csv")
+    assert float(row["omega_im"]) == pytest.approx(-0.1841332775, rel=1e-5)
+    assert abs(float(row["omega_re"])) < 1e-9
+
+
 def test_modes_of_a_panel_decay_below_and_grow_above(tmp_path):
     """A thick panel, with the two slowest modes of theory, below the onset of flutter and above."""
     beams, dynamic = program("beams"), (350, 650)

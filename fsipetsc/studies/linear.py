@@ -21,7 +21,7 @@ from scipy import sparse
 from scipy.linalg import orth
 from scipy.optimize import brentq
 from scipy.sparse.csgraph import structural_rank
-from scipy.sparse.linalg import eigs
+from scipy.sparse.linalg import LinearOperator, eigs, splu
 
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blocks.block_problem import BlockProblem
@@ -134,8 +134,8 @@ def column_modes(state: BlockState, axis: int, n: int) -> tuple[Complex, list[Co
 
 
 def modes_near(state: BlockState, s: complex, count: int = 1) -> Complex:
-    """Eigenvalues [1/s] next to s: so many, or all but 2. InputError where the state is not steady
-    or none are found.
+    """Eigenvalues [1/s] next to s, but those of what is at rest and stays so: the largest of A (A -
+    s)^-2, so many, or all but 2. InputError where the state is not steady or none are found.
     """
     state.set_initial()
     n, y = state.layout.local_size - state.layout.auxiliary, state.solution.array.copy()
@@ -146,14 +146,17 @@ def modes_near(state: BlockState, s: complex, count: int = 1) -> Complex:
     state.right_hand_side(y, f)
     if np.abs(TINY * f[:n] / nudges).max() > AT_REST * abs(rates).max():
         raise InputError("the blocks are not in a steady state at first")
-    matrix = (projection @ rates).astype(complex)
+    A = (projection @ rates).astype(complex).tocsc()
     try:
-        if s == 0 and structural_rank(matrix) < n:
+        if s == 0 and structural_rank(A) < n:
             raise RuntimeError("what is at rest stays so")  # SuperLU would print many lines first
-        return eigs(matrix, min(count, n - 2), sigma=s, v0=np.ones(n), return_eigenvectors=False)
+        solve = splu(A - s * sparse.eye(n, format="csc")).solve
+        inverse = LinearOperator((n, n), lambda v: solve(A @ solve(v)), dtype=complex)
+        vectors = eigs(inverse, min(count, n - 2), v0=np.ones(n, complex))[1]
     except (RuntimeError, TypeError) as error:  # singular, without convergence, of 2 unknowns
         known = f"-modes_near {abs(s):g}, -modes_count {count}: no modes found of {n} unknowns"
         raise InputError(f"{known} ({error}); another frequency may help") from error
+    return np.array([np.vdot(v, A @ v) / np.vdot(v, v) for v in vectors.T])
 
 
 def scales(state: BlockState) -> Real:

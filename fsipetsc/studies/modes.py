@@ -15,7 +15,7 @@ from fsipetsc.process.together import Comm, together
 from fsipetsc.studies.tables import Study
 from fsipetsc.studies.trials import reference
 
-_NEXT = "real angular frequency to be near (of modes at rest it is 0), but of ring and shell"
+_NEXT = "real angular frequency to be near; ring, shell: the slowest"
 OPTIONS = (
     Option("ring_angular", int, 2, "", "waves around a ring", check="nonnegative"),
     Option("modes_count", int, 10, "", "how many modes, slowest first", check="positive"),
@@ -60,7 +60,7 @@ def modes(arguments: list[str], comm: Comm) -> None:
             return radial_modes(*how, n, block_form(opt))[:count]
         with BlockState(MPI.COMM_SELF, *how, block_form(opt)) as state:
             omega = 1j * modes_near(state, -1j * opt["modes_near"], count)
-        return omega[np.argsort(omega.real)]
+        return omega[np.argsort(np.abs(omega))]
 
     rows, omegas = [], study.on_first(found)
     for i, omega in enumerate(omegas if comm.rank == 0 else (), 1):

@@ -1,10 +1,10 @@
 """The command `stability`: whether couplings keep what docs/couplings.md promises (Theorem 4.1).
 
-The solver's own right-hand side is linearised about a constant state, a solid beside a gas at rest.
-Disturbances obey (4.2), of (rho, u, T) in the gas and (u, e, T) in the solid, e = S/K^ the strain.
-S = sigma - x_X' dp_s/dx_X stands for stress and strain, which act as this sum alone: with x_t = u
-it obeys S_t = K^ u_X, K^ = (K - x_X dp_s/dx_X)/x_X. With the conservative coupling the unknown is
-the displacement, and e its derivative.
+The solver's own right-hand side is linearised about a solid beside a gas at rest, whose density,
+temperature and pressure are 1. Disturbances obey (4.2), of (rho, u, T) in the gas and (u, e, T) in
+the solid, e = S/K^ the strain. S = sigma - x_X' dp_s/dx_X stands for stress and strain, which act
+as this sum alone: with x_t = u it obeys S_t = K^ u_X, K^ = K + p_s. With the conservative coupling
+the unknown is the displacement, and e its derivative.
 
 The energy E = h sum_j a_j (W q^2)_j has the weights of fsipetsc.paper.coupling. In it the equations
 are symmetric but for a part of alpha m0 T_t = ... + sigma^ u_X: the heat that a stress sigma^ != 0
@@ -28,7 +28,7 @@ from scipy.linalg import orth
 
 from fsipetsc import Fluid, FluidLayer, Problem, Solid, SolidLayer, Wall, clamped
 from fsipetsc.cases import case_of
-from fsipetsc.cases.common import constant, gas_of, materials
+from fsipetsc.cases.common import constant, gas_of, line_at_rest, materials
 from fsipetsc.checks import Array
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.operators.sbp import OPERATORS
@@ -65,16 +65,20 @@ SECTIONS = {"Stability": (
 
 
 def stability(arguments: list[str], comm: Comm) -> None:
-    """Run the command; the ranks of comm share the states. Collective; InputError; ComputationError
-    if a promise is not kept."""
+    """Run the command. Collective, rank 0 computes; InputError; ComputationError if a promise is
+    not kept."""
     study = Study(comm, arguments, SECTIONS)
-    opt, coupling, n = study.opt, study.opt["fsi_coupling"], study.opt["stability_points"]
-    for op in [OPERATORS[order] for order in opt["fsi_orders"]]:
-        if n < (least := max(4, op.min_points)):
-            raise InputError(f"-stability_points {n}: the {op.name} operator needs {least}")
-    tasks = list(product(opt["fsi_orders"], opt["density_ratios"], opt["stiffness_ratios"]))
-    how = n, opt["fsi_h"], coupling, opt["fsi_viscous"] == "narrow"
-    results = study.share(tasks, lambda task: measure(of_options(opt, *task[1:]), task[0], *how))
+    opt, coupling = study.opt, study.opt["fsi_coupling"]
+    grid = opt["stability_points"], opt["fsi_h"]
+
+    def one(order: int, density: float, stiffness: float) -> Result:
+        balance = 1.0 / opt["solid_alpha"] if opt["solid_eos"] == "ideal" else 0.0
+        numbers = stiffness, opt["solid_kappa"], density, opt["solid_alpha"] / density
+        solid = Solid(*numbers, 0.0, balance)
+        return measure(gas_of(opt), solid, order, *grid, coupling, opt["fsi_viscous"])
+
+    tasks = product(opt["fsi_orders"], opt["density_ratios"], opt["stiffness_ratios"])
+    results = comm.bcast(study.on_first(lambda: [one(*task) for task in tasks]))
     study.say(f"{coupling}: solid | gas at rest, linearised: growth over the largest |lambda|")
     study.table(Result._fields, results, ".4g")
     promised = {"stable", "step_kept", *["estimate"] * (coupling in ("conservative", "energy"))}
@@ -83,45 +87,8 @@ def stability(arguments: list[str], comm: Comm) -> None:
         worst = max(broken, key=lambda r: (not r.stable, -r.step_ratio if r.stable else r.growth))
         raise ComputationError(
             f"{coupling} fails in {len(broken)} of {len(results)}; the worst is order "
-            f"{worst.order}, m0/rho = {worst.density_ratio:g}, K/p = {worst.stiffness_ratio:g}: "
-            f"growth {worst.growth:.2g} |lambda|, of the energy {worst.energy:.2g}, stable "
-            f"step {worst.step_ratio:.2g} of that of a run"
+            f"{worst.order}, m0/rho = {worst.density_ratio:g}, K/p = {worst.stiffness_ratio:g}"
         )
-
-
-class Constant(NamedTuple):
-    """A perfect gas of density rho [kg/m3] and temperature T [K] at rest on a solid of the same
-    temperature and the uniform strain x_X = stretch; the solid's pressure p_s is Grüneisen's or 0.
-    """
-
-    gas: Fluid
-    solid: Solid
-    rho: float
-    T: float
-    stretch: float = 1.0
-
-    @property
-    def p(self) -> float:
-        """Pressure of the gas [Pa]."""
-        return self.rho * self.gas.R * self.T
-
-    @property
-    def stress(self) -> float:
-        """sigma = p_s - p, which balances the gas [Pa]."""
-        difference = float(self.solid.pressure(self.T, self.stretch)) - self.p
-        return difference if abs(difference) > 1e-12 * self.p else 0.0
-
-    @property
-    def modulus(self) -> float:
-        """K^ = (K - x_X dp_s/dx_X) / x_X [Pa]; p_s is proportional to T / x_X."""
-        return (self.solid.K + self.stress + self.p) / self.stretch
-
-
-def of_options(opt: Mapping[str, Any], density: float, stiffness: float) -> Constant:
-    """Return the state for two ratios: the gas has density, temperature and pressure 1."""
-    ideal = 1.0 / opt["solid_alpha"] if opt["solid_eos"] == "ideal" else 0.0  # p_s = p, sigma = 0
-    laws = stiffness, opt["solid_kappa"], density, opt["solid_alpha"] / density
-    return Constant(gas_of(opt), Solid(*laws, 0.0, ideal), 1.0, 1.0)
 
 
 class Result(NamedTuple):
@@ -143,22 +110,23 @@ class Result(NamedTuple):
 
 
 def measure(
-    state: Constant, order: int, n: int, h: float, coupling: str, narrow: bool = False
+    gas: Fluid, solid: Solid, order: int, n: int, h: float, coupling: str, viscous: str = "wide"
 ) -> Result:
-    """Disturb n points of spacing h [m] in each layer; narrow: with narrow second derivatives.
-    InputError where the coupling has none.
+    """Disturb n points of spacing h [m] in each layer. The solid's pressure p_s is that of the gas,
+    or 0. InputError for too few points, and where the coupling has no such second derivatives.
     """
     from fsipetsc.studies.linear import step_limit
 
-    op, solid, conservative = OPERATORS[order], state.solid, coupling == "conservative"
+    op, conservative = OPERATORS[order], coupling == "conservative"
+    if n < (least := max(4, op.min_points)):
+        raise InputError(f"-stability_points {n}: the {op.name} operator needs {least}")
     N = n + 3 * op.rows  # outer ends do not reach what is disturbed
-    gas_weights = state.p / state.rho**2, state.rho, state.rho * state.gas.cv / state.T
-    weights = np.array([*gas_weights, solid.m0, state.modulus, solid.alpha * solid.m0 / state.T])
-    sizes = np.sqrt(state.p / weights)
+    p_s, capacity = round(float(solid.pressure(1.0, 1.0)), 12), solid.alpha * solid.m0
+    weights = np.array([1.0, 1.0, gas.cv, solid.m0, solid.K + p_s, capacity])
+    sizes = np.sqrt(1.0 / weights)
     sizes[4] = min(sizes[4], 1.0) * (h if conservative else 1.0)
-    own = {"fsi_order": order, "fsi_coupling": coupling, "fsi_h": h}
-    own |= {"fsi_viscous": "narrow" if narrow else "wide", "ts_max_time": 1.0}
-    L, P, run_step = derivatives_near(state, sizes, n, N, own)
+    own = {"fsi_order": order, "fsi_coupling": coupling, "fsi_h": h, "fsi_viscous": viscous}
+    L, P, run_step = derivatives_near(gas, solid, p_s, sizes, n, N, {**own, "ts_max_time": 1.0})
     near = np.concatenate([np.arange(n) + k * N + (N - n) * (k > 2) for k in range(6)])
     strain, heat = slice(4 * N, 5 * N), slice(5 * N, 6 * N)
     root = np.diag(np.outer(sizes * np.sqrt(weights), np.sqrt(h * op.norm_weights(N))).ravel())
@@ -168,7 +136,7 @@ def measure(
         root[strain, strain] = root[strain, strain] @ D
         stretched, V = np.linalg.svd(D[:, N - n :])[1:]
         seen[4 * n : 5 * n, 4 * n : 5 * n] = V.T * (stretched * h > UNSEEN)
-    L[heat] -= state.stress / (solid.alpha * solid.m0) * sizes[4] / sizes[5] * D @ L[strain]
+    L[heat] -= (p_s - 1.0) / capacity * sizes[4] / sizes[5] * D @ L[strain]
     L[near] = P[near] @ L[near]
     basis = orth(P[near] @ seen, rcond=1e-9)
     Z, R = np.linalg.qr(root[:, near] @ basis)
@@ -178,12 +146,11 @@ def measure(
     energy = float(np.linalg.eigvalsh((A + A.T) / 2).max()) / radius
     growth = float(spectrum.real.max()) / radius
     kept = energy <= ENERGY_TOLERANCE, growth <= MODE_TOLERANCE, step >= run_step
-    ratios = solid.m0 / state.rho, solid.K / state.p
-    return Result(order, *ratios, energy, growth, step, step / run_step, *kept)
+    return Result(order, solid.m0, solid.K, energy, growth, step, step / run_step, *kept)
 
 
 def derivatives_near(
-    state: Constant, sizes: Array, n: int, N: int, own: Mapping[str, Any]
+    gas: Fluid, solid: Solid, p_s: float, sizes: Array, n: int, N: int, own: Mapping[str, Any]
 ) -> tuple[Array, Array, float]:
     """(rates, completed unknowns, step of a run [s]) of layers of N points: derivatives of the six
     unknowns of all points, over their sizes, by those of the n next to the interface, (6N, 6n).
@@ -194,19 +161,16 @@ def derivatives_near(
     from fsipetsc.stepping.run import build_problem, make_state
     from fsipetsc.studies.linear import derivatives
 
-    gas, solid, end = state.gas, state.solid, (N - 1) * own["fsi_h"]
-    still = constant(state.rho, 0.0, state.T)
-    strained = lambda X: (0.0, state.stress, state.T, state.stretch * X)  # noqa: E731
-    left = SolidLayer("solid", solid, (-end, 0.0), strained)
-    layers = left, FluidLayer("gas", gas, (0.0, end), still)
+    end = (N - 1) * own["fsi_h"]
+    left = SolidLayer("solid", solid, (-end, 0.0), line_at_rest(p_s - 1.0, 1.0))
+    layers = left, FluidLayer("gas", gas, (0.0, end), constant(1.0, 0.0, 1.0))
     case = case_of(Problem(layers, clamped(), Wall(end), units="none"), **own)
     opt = defaults(case)
     # from rho, rho u, rho (cv T + u^2/2) to rho, u, T; from u, sigma, T, x to u, e, T
-    of_gas = np.diag([1.0, 1.0 / state.rho, 1.0 / (state.rho * gas.cv)])
-    of_gas[2, 0] = -state.T / state.rho
+    of_gas = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 1.0 / gas.cv]])
     to_gas = np.linalg.inv(of_gas)
     of_solid, of_rates = np.eye(3, 4), np.eye(3, 4)
-    of_solid[1, 1], of_rates[1, 1] = 1.0 / state.modulus, state.stretch / solid.K
+    of_solid[1, 1], of_rates[1, 1] = 1.0 / (solid.K + p_s), 1.0 / solid.K
     with make_state(build_problem(case, opt, MPI.COMM_SELF), opt, MPI.COMM_SELF) as run:
         run.set_initial()
         run.finish()
@@ -215,8 +179,8 @@ def derivatives_near(
         if opt["fsi_coupling"] == "conservative":
             in_gas, in_solid = run.layout.owned(1, numbers), run.layout.owned(0, numbers)
             # from J, J rho, J rho u, …; from x - X, u, alpha T + u^2/2 to u, x - X, T
-            J, rho, _, heat = start[in_gas[0]]
-            of_gas = of_gas @ np.column_stack([[-rho / J, 0.0, -heat / J], np.eye(3)]) / J
+            J = start[in_gas[0, 0]]
+            of_gas = np.column_stack([[-1.0, 0.0, 0.0], of_gas]) / J
             to_gas = J * np.vstack([np.zeros(3), to_gas])
             of_solid = of_rates = np.diag([1.0, 1.0, 1.0 / solid.alpha])[[1, 0, 2]]
         else:

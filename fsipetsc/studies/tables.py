@@ -68,12 +68,6 @@ class Study:
         here = self.comm.rank == 0
         return together(self.comm, action if here else lambda: None, asleep=True)
 
-    def share(self, tasks: Sequence[Any], one: Callable[[Any], Any]) -> list[Any]:
-        """one(task) of all tasks on every rank; each computes its share. FsiError."""
-        rank, size = self.comm.rank, self.comm.size
-        shares = self.comm.allgather(together(self.comm, lambda: list(map(one, tasks[rank::size]))))
-        return [shares[i % size][i // size] for i in range(len(tasks))]
-
     @contextmanager
     def results_folder(self) -> Iterator[Path]:
         """A new folder beside the table, for results that are removed in the end."""
