@@ -173,12 +173,6 @@ def _of_series(a: Run, b: Run, notes: list[str]) -> Iterator[Difference]:
             yield _difference(name, one, two, times, None)
 
 
-def summed(run: Run, name: str) -> Array:
-    """Return a series; of gains per step their sum since the beginning."""
-    series = run.series[name]
-    return np.cumsum(series, axis=0) if name in GAINS else series
-
-
 def common_nodes(a: Layer, b: Layer, notes: list[str]) -> tuple[Array, Array]:
     """Return numbers of the nodes of either layer that are at the same places, to a billionth of
     what the layer spans. `notes` tell of another grid.

@@ -1,13 +1,12 @@
 """The command `convergence CASE`: a case over orders and grids, errors, observed orders and cost.
 
-A case with an exact solution in all of its layers is compared with that, any other with itself.
-Where grids are compared with each other, fields are at the end, at the nodes that all grids have in
-common, series at SAMPLES equal distances of time. A difference is the norm in force (L1 or L2) of
-the mean over these, over the largest range on the finest grid of all fields of its unit in layers
-of its kind.
+A case with an exact solution in all of its layers is compared with that, any other with itself:
+fields at the end, at the nodes that all grids have in common. A difference is the norm in force (L1
+or L2) of the mean over these, over the largest range on the finest grid of all fields of its unit
+in layers of its kind.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import partial, reduce
 from itertools import groupby, pairwise
 from typing import Any
@@ -19,7 +18,7 @@ from fsipetsc.checks import counted
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import Option
-from fsipetsc.output.differences import common_nodes, summed
+from fsipetsc.output.differences import common_nodes
 from fsipetsc.output.quantities import unit_of
 from fsipetsc.output.reader import Run
 from fsipetsc.process.together import Comm, together
@@ -30,10 +29,6 @@ from fsipetsc.studies.trials import Row, Trial
 #: what -fsi_h is multiplied with for the grids of a study: in one dimension with an exact solution,
 #: in one without, and in more dimensions
 FACTORS = (4, 2, 1, 1 / 2, 1 / 4), (2, 1, 1 / 2), (2, 1, 2 / 3)
-#: times at which series are compared
-SAMPLES = 10
-#: series of the steps or of the method
-NO_SOLUTION = "t", "dt", "least_J", "J_error", "lost_energy"
 #: names of the cost in the summary of a result
 COST = "points", "steps", "rhs_evaluations", "wall_time"
 _ORDERS = "instead of -fsi_order; default: all, or the case's own if it has no exact solution"
@@ -65,13 +60,11 @@ def convergence(arguments: list[str], comm: Comm) -> None:
             f"the case {case.NAME} has no exact solution: its grids are compared with each other, "
             "and that takes three, as in -fsi_hs 0.1,0.05,0.025"
         )
-    end, parts = opt["ts_max_time"], 1 if exact else SAMPLES
-    what = "errors" if exact else "relative differences from the next grid"
-    time = f"t = {end:g}" + " s" * (problem.units == "SI")
-    about = f"{case.NAME}, {what} in {opt['fsi_norm']} at {time}, {counted(comm.size, 'rank')}"
-    study.say(about)
-    times = tuple(end * np.arange(1, parts + 1) / parts)
-    own = {**opt, "fsi_output_dt": None, "fsi_output_times": times, "fsi_quiet": True}
+    source = "exact solution" if exact else "next grid"
+    end, unit = opt["ts_max_time"], " s" * (problem.units == "SI")
+    about = f"{case.NAME}, distances from the {source} in {opt['fsi_norm']} at t = {end:g}{unit}"
+    study.say(f"{about}, {counted(comm.size, 'rank')}")
+    own = {**opt, "fsi_output_dt": None, "fsi_output_times": (end,), "fsi_quiet": True}
     panels: dict[str, dict[str, Row]] = {}
     lines: list[list[object]] = []
     failures: list[str] = []
@@ -80,25 +73,22 @@ def convergence(arguments: list[str], comm: Comm) -> None:
             study.say("")
             runs: dict[float, Run] = {}
             for h in hs:
-                trial, which = Trial(comm, folder, order, h), f"order {order}, h = {h:g}"
+                trial = Trial(comm, folder, order, h)
                 try:
-                    run = trial.solve(case, **{**own, "fsi_h": h})
-                except InputError as error:
-                    raise InputError(f"{which}: {error}") from None
+                    runs[h] = trial.solve(case, **{**own, "fsi_h": h})
                 except ComputationError as error:  # what it computed is removed with the others
-                    failures.append(f"{which}: {str(error).partition(REMAINS)[0]}")
+                    told = str(error).partition(REMAINS)[0]
+                    failures.append(f"order {order}, h = {h:g}: {told}")
                     study.say(f"  failed: {failures[-1]}")
                 else:
-                    runs[h] = run
-                    points, steps, _, seconds = (run.summary[name] for name in COST)
+                    points, steps, _, seconds = (runs[h].summary[name] for name in COST)
                     cost = f"{points:>8.0f} points{steps:>8.0f} steps{seconds:>9.2f} s"
                     study.say(f"{OPERATORS[order].name}  h = {h:<9.6g}{cost}")
-            rows = together(comm, partial(_rows, case.NAME, trial, opt, exact, runs))
+            rows = rows_of(case.NAME, trial, opt, exact, runs)
             study.say(f"\n{trials.told(rows)}" if rows else "")
             costs = [[run.summary[name] for name in COST] for run in runs.values()]
             for row in rows:
-                table = row.lines(comm.size, "exact solution" if exact else "next grid")
-                lines += [[*line, *cost] for line, cost in zip(table, costs)]
+                lines += [[*a, *b] for a, b in zip(row.lines(comm.size, source), costs)]
                 kind, _, name = row.quantity.partition("/")
                 if name == "combined":
                     panels.setdefault(kind, {})[OPERATORS[order].name] = row
@@ -109,9 +99,9 @@ def convergence(arguments: list[str], comm: Comm) -> None:
         raise ComputationError(f"{counted(len(failures), 'run')} failed; {failures[0]}")
 
 
-def _rows(case: str, trial: Trial, opt: Any, exact: bool, runs: dict[float, Run]) -> list[Row]:
-    """The rows of an order: quantities are KIND/NAME, or LAYER/NAME and series/NAME. InputError
-    where grids have no node in common.
+def rows_of(case: str, trial: Trial, opt: Any, exact: bool, runs: dict[float, Run]) -> list[Row]:
+    """The rows of an order: quantities are KIND/NAME or LAYER/NAME. InputError where grids have no
+    node in common.
     """
     found: dict[str, list[float]] = {}
     for run in runs.values() if exact else ():
@@ -128,46 +118,32 @@ def _rows(case: str, trial: Trial, opt: Any, exact: bool, runs: dict[float, Run]
 
 
 def differences(runs: Sequence[Run], norm: str) -> dict[str, list[float]]:
-    """GROUP/NAME -> relative differences of each run but the last, from coarse to fine, from the
-    next one; and of each group "combined", their mean. InputError where there is no common node.
+    """LAYER/FIELD -> relative differences of each run but the last, from coarse to fine, from the
+    next one; and of each layer "combined", their mean. InputError where there is no common node.
     """
-    values, power = [*_common_values(runs)], {"L1": 1, "L2": 2}[norm]
-    ranges: dict[tuple[str, str], float] = {}
-    for _, _, sort, (*_, finest) in values:
-        low, high = np.nanmin(finest), np.nanmax(finest)
-        size = max(abs(low), abs(high))
-        span = high - low if high - low > 1e-9 * size else size  # else it is round-off
-        ranges[sort] = max(ranges.get(sort, 0.0), float(span))
-    found: dict[str, list[float]] = {}
-    for group, members in groupby(values, lambda one: one[0]):
-        own = {}
-        for _, name, sort, each in members:
-            gaps = [np.abs(b - a).ravel() / (ranges[sort] or 1.0) for a, b in pairwise(each)]
-            own[name] = np.array([np.nanmean(gap**power) ** (1 / power) for gap in gaps])
-        own["combined"] = np.mean(np.array([*own.values()]) ** power, axis=0) ** (1 / power)
-        found |= {f"{group}/{name}": of.tolist() for name, of in own.items()}
-    return found
-
-
-def _common_values(runs: Sequence[Run]) -> Iterator[tuple[str, str, tuple[str, str], list[Any]]]:
-    """(group, name, kind of layer and unit, values of each run at what all have in common); what
-    has no known unit has one of its own. InputError.
-    """
-    for layer, *others in zip(*(run.layers for run in runs)):
-        pairs = [common_nodes(layer, other, []) for other in (layer, *others)]
+    power, values, ranges = {"L1": 1, "L2": 2}[norm], {}, {}
+    for layers in zip(*(run.layers for run in runs)):
+        first, pairs = layers[0], [common_nodes(layers[0], layer, []) for layer in layers]
         every = reduce(np.intersect1d, [pair[0] for pair in pairs])
         if not len(every):
             raise InputError(
-                f"layer '{layer.name}': no node of the coarsest grid is on all others; "
+                f"layer '{first.name}': no node of the coarsest grid is on all others; "
                 "-fsi_hs takes grids with common nodes, as in -fsi_hs 0.1,0.05,0.025"
             )
-        nodes = [of_other[np.searchsorted(own, every)] for own, of_other in pairs]
-        for name in layer.fields:
-            ends = [of.frame(-1)[name].ravel()[at] for of, at in zip((layer, *others), nodes)]
-            yield layer.name, name, (layer.kind, unit_of(name) or name), ends
-    for name in runs[0].series:
-        if name not in NO_SOLUTION and not name.startswith("residual_"):
-            at = [np.isin(run.series["t"], runs[0].time[1:]) for run in runs]
-            values = [summed(run, name)[steps] for run, steps in zip(runs, at)]
-            if len({v.shape for v in values}) == 1 and values[0].size:
-                yield "series", name, ("series", unit_of(name) or name), values
+        nodes = [pair[1][np.searchsorted(pair[0], every)] for pair in pairs]
+        for name in first.fields:
+            each = [of.frame(-1)[name].ravel()[at] for of, at in zip(layers, nodes)]
+            low, high = np.nanmin(each[-1]), np.nanmax(each[-1])
+            size, sort = max(abs(low), abs(high)), (first.kind, unit_of(name) or name)
+            span = high - low if high - low > 1e-9 * size else size  # else it is round-off
+            ranges[sort] = max(ranges.get(sort, 0.0), float(span))
+            values[first.name, name] = sort, each
+    found: dict[str, list[float]] = {}
+    for layer, members in groupby(values.items(), lambda item: item[0][0]):
+        own = {}
+        for (_, name), (sort, each) in members:
+            gaps = [np.abs(b - a) / (ranges[sort] or 1.0) for a, b in pairwise(each)]
+            own[name] = np.array([np.nanmean(gap**power) ** (1 / power) for gap in gaps])
+        own["combined"] = np.mean(np.array([*own.values()]) ** power, axis=0) ** (1 / power)
+        found |= {f"{layer}/{name}": of.tolist() for name, of in own.items()}
+    return found
