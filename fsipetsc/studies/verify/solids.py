@@ -1,16 +1,13 @@
 """Entries of `verify` in which gas and solid move each other, and about solids much deformed."""
 
-from functools import partial
 from itertools import product
 from typing import Any
 
 import numpy as np
 
 from fsipetsc import Block, BlockProblem, Fluid, FluidLayer, Problem, SolidLayer
-from fsipetsc.blocks.conditions import Clamped, Free, NoSlip
-from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.blocks.conditions import Clamped, Free
 from fsipetsc.boundaries import Wall, clamped, free
-from fsipetsc.cases.common import at_rest, constant
 from fsipetsc.checks import Array
 from fsipetsc.materials.solid import ElasticSolid, Solid
 from fsipetsc.studies.trials import Compared, Trial, entry, joined, reference, round_off, smooth
@@ -137,53 +134,6 @@ def sudden_contact(trial: Trial) -> None:
     trial.check("gas", (T - in_gas(warm["x"], END)[2]) / JUMP, *expected)
     trial.check("solid", (cold["T"] - in_solid(cold["x"], END)[2]) / JUMP, *expected)
     trial.check("interface", Compared(T[0], table["contact T"][0], JUMP), *expected)
-
-
-def shaken_box(d: int, h: float, order: int, kappa_e: float = 0.02) -> Any:
-    """A closed box of gas, solid and gas in d dimensions, whose ends move."""
-
-    def lower(*X: Array) -> list[Any]:
-        swirl = 0.1 * np.sin(4.0 * np.pi * X[0]) * np.sin(np.pi * X[-1]) ** 2
-        return [2.2 / 5.0, swirl if d > 1 else 0.0, *[0.0] * (d - 1), 5.0]
-
-    def shaken(along: float) -> NoSlip:
-        sizes = [along, 0.0, 0.1] if d == 3 else [along, 0.1][2 - d :]
-        return NoSlip(x=lambda *at: [x + a * np.sin(3.0 * at[-1]) ** 2 for x, a in zip(at, sizes)])
-
-    gases = Fluid(0.01, 0.03, 1.4, 1.0), Fluid(0.01, 0.03, 5.0 / 3.0, 0.5)
-    solid = ElasticSolid(5.0, 10.0, kappa_e, 2.0, 1.0, p_ref=2.0)
-    upper = constant(2.0 / (0.5 * 4.0), *[0.0] * d, 4.0)
-    return layers(
-        Layer("lower", gases[0], (0.0, 1.0), lower),
-        Layer("solid", solid, (1.0, 2.0), at_rest(4.5)),
-        Layer("upper", gases[1], (2.0, 3.0), upper),
-        along=((0.0, 0.5),) * (d - 1),
-        **{"lower": shaken(0.0), "upper": shaken(0.05), "h": h, "order": order, "units": "none"},
-    )
-
-
-@entry({4: (16,)}, dict.fromkeys((2, 4, 6), (16, 24)))
-def invariants(trial: Trial) -> None:
-    """Changes of all dimensions. Entropy is that of the gases, beside a solid that takes no heat
-    from them: then it cannot fall.
-    """
-    for d in (1, 2, 3):
-        box = partial(shaken_box, d, trial.h, trial.order)
-        series, alone = (trial.solve(box(kappa), ts_max_time=1.0).series for kappa in (0.02, 0.0))
-
-        def change(name: str, gain: str, series: Any = series) -> Array:
-            kept = series[name] - np.cumsum(series[gain], axis=0)
-            return kept - kept[0]
-
-        size, grown = abs(series["energy"][0]), np.diff(alone["entropy"])
-        momenta = [change(f"momentum_{x}", f"impulse_{x}") for x in "xyz"[:d]]
-        for what, values in (
-            ("mass", change("mass", "mass_in") / series["mass"][0]),
-            ("momentum", np.array(momenta) / size),
-            ("energy", change("energy", "energy_in") / size),
-            ("entropy", np.maximum(-grown, 0.0) / grown.sum()),
-        ):
-            trial.check(f"{what}, {d}-D", values, error=round_off(1000))
 
 
 @entry({}, {4: (200, 400)})
