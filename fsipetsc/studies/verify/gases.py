@@ -166,52 +166,12 @@ def taylor_green_1600(trial: Trial) -> None:
         trial.check(name, Compared(ours[at].sum(), exact[at].sum()), trial.order)
 
 
-def triple_point(x: Array, y: Array, p: Array) -> tuple[float, float]:
-    """Where the two lines through the front meet; x of columns, y of rows, p of both.
-
-    The front is where a tenth of the jump is reached: behind the foot of the λ there is a fifth.
-    """
-    right = x > 0.2
-    x, p = x[right], p[:, right]
-    high = p[int(np.argmin(abs(y - 0.4)))]
-    level = high[0] + 0.1 * (high.max() - high[0])
-    jumps = [slice(k - 1, k + 1) for k in np.argmax(p > level, axis=1)]
-    places = np.array([np.interp(level, row[at], x[at]) for row, at in zip(p, jumps)])
-    above, foot = (y > 0.2) & (y < 0.4), (y > 0.04) & (y < 0.1)
-    (a, b), (c, d) = (np.polyfit(y[rows], places[rows], 1) for rows in (above, foot))
-    height = (d - b) / (a - c)
-    return float(a * height + b), float(height)
-
-
-def main_vortex(x: Array, y: Array, flow: Array) -> tuple[float, float]:
-    """Its centre, where most mass flows back below it; flow: rho u, rows along x."""
-    back = np.zeros_like(flow)
-    back[1:] = -np.cumsum(0.5 * np.diff(y)[:, None] * (flow[1:] + flow[:-1]), axis=0)
-    back[:, (x < 0.6) | (x > 0.9)] = 0.0
-    back[y > 0.2] = 0.0
-    j, i = np.unravel_index(back.argmax(), back.shape)
-    beside = back[j, i - 1 : i + 2], back[j - 1 : j + 2, i]
-    # where parabolas through three values are highest
-    along, up = (0.5 * (f[0] - f[2]) / (f[0] - 2.0 * f[1] + f[2]) for f in beside)
-    h = x[1] - x[0]
-    return float(x[i] + h * along), float(y[j] + h * up)
-
-
 @entry({}, {4: (100, 200, 400), 6: (100, 200)})
 def viscous_tube(trial: Trial) -> None:
-    """A shock comes back through the boundary layer that it has left. Errors of the vortex and of
-    the density are allowed as the reference has them on its coarser grid.
+    """A shock comes back through the boundary layer that it has left. The error that is allowed is
+    that of the reference on its coarser grid.
     """
     run = trial.solve("viscous_tube", 1.0, fsi_shock=0.0, fsi_dissipation=1.0)
     last, table = run.layers[0].frame(-1), reference("viscous_tube")
-    rho, p, x, y = last["rho"], last["p"], last["x"][0], last["y"][:, 0]
-    vortex = main_vortex(x, y, rho * last["u"])
-    for place, found, allowed in (
-        ("triple point", triple_point(x, y, p), (0.01, 0.01)),
-        ("main vortex", vortex, (0.0176, 0.0224)),
-    ):
-        for axis, value, error in zip("xy", found, allowed):
-            compared = Compared(value, table[f"{place} {axis}"][0], size=1.0)
-            trial.check(f"{axis} of the {place}", compared, error=error)
-    apart = (np.interp(table["x"], x, rho[0]) - table["rho"]) / table["rho"].mean()
-    trial.check("density at the wall", apart, error=0.08, power=1)
+    apart = np.interp(table["x"], last["x"][0], last["rho"][0]) - table["rho"]
+    trial.check("density at the wall", apart / table["rho"].mean(), error=0.08, power=1)
