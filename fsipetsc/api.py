@@ -59,15 +59,14 @@ def _solve(case: Any, comm: Comm, options: Mapping[str, Any]) -> str:
     from fsipetsc.stepping.run import run_given
 
     def words() -> Iterable[str]:
-        """Yield the options as on the command line. InputError for an unknown name."""
+        """The options as on the command line. InputError for an unknown name."""
         known = {name.lower() for name in defaults(loaded)}
         for name, value in {"quiet": True, **options}.items():
             if value and name.lower() in ("check", "fsi_check"):
                 raise InputError("run: 'check' makes no result; the command line has -fsi_check")
             names = name, f"fsi_{name}", f"ts_{name}"  # the beginning may be left out
-            full = [found for found in names if found.lower() in known]
             if value is not None:
-                yield f"-{full[0] if full else name}"
+                yield f"-{next((full for full in names if full.lower() in known), name)}"
                 yield from () if value is True else (_text(value),)
 
     loaded = together(comm, lambda: _case(case))
@@ -77,10 +76,9 @@ def _solve(case: Any, comm: Comm, options: Mapping[str, Any]) -> str:
 
 def _case(case: Any) -> Any:
     """Return what a case file would define. InputError."""
-    if isinstance(case, Problem):
-        return case_of(case)
-    if isinstance(case, BlockProblem):
-        return case_of(case, fsi_h=1.0)  # its cells are given
+    if isinstance(case, (Problem, BlockProblem)):
+        given = {"fsi_h": 1.0} if isinstance(case, BlockProblem) else {}  # its cells are given
+        return case_of(case, **given)
     if isinstance(case, (str, os.PathLike)):
         return load_case(os.fspath(case))
     if not callable(getattr(case, "build", None)):

@@ -1,7 +1,5 @@
-"""What can stand at the outer ends of layers in one dimension.
-
-An end says which condition of a block it is, and what it gives to the paper's method
-(fsipetsc.paper.ends).
+"""What can stand at the outer ends of layers in one dimension. An end says which condition of a
+block it is, and what it gives to the paper's method (fsipetsc.paper.ends).
 """
 
 from collections.abc import Callable, Sequence
@@ -53,9 +51,7 @@ class Boundary(Checked):
         return [number for name in self.given for number in at(name)], heat
 
     def _of_place(self, name: str, then: Callable[[Any], Any] = lambda v: v) -> Any:
-        """A datum as a condition has it, its value changed by ``then``: a function of t becomes one
-        of X and t.
-        """
+        """A datum as a condition has it, changed by ``then``; a function of t gets X, too."""
         given = getattr(self, name)
         if not callable(given):
             return None if given is None else then(given)

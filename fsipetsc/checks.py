@@ -136,9 +136,8 @@ def block_values(
     block: Any, what: str, X: Array, t: float, active: slice = slice(None)
 ) -> list[Array]:
     """Values of initial, exact or forcing of a block or a layer at places X (d, n) at time t [s],
-    (n,) each. active: the places at which they count.
-
-    InputError, perhaps on this rank alone; rho and T must be above 0.
+    (n,) each; rho and T must be above 0. active: the places at which they count. InputError,
+    perhaps on this rank alone.
     """
     first = what in ("initial", "prestress")
     where = f"{what} of {block}" + ("" if first else f" at t = {t:.6g}")
@@ -150,9 +149,8 @@ def block_values(
 def datum(
     condition: Any, name: str, X: Array, t: float, names: Sequence[str] | None = None
 ) -> Array:
-    """A datum of a condition, a number or a function of (*X, t); X: (n, d). InputError.
-
-    (n,), or (n, len(names)) of a function that returns several values.
+    """A datum of a condition, a number or a function of (*X, t), at X (n, d): (n,), or (n,
+    len(names)) of a function that returns several values. InputError.
     """
     of = getattr(condition, name)
     if not callable(of):
@@ -174,10 +172,9 @@ def checked(
     physical: bool = True,
     active: slice = slice(None),
 ) -> list[Array]:
-    """What a function of the case's returns, an array of (n,) for each name. InputError.
-
-    X: (d, n) places, or NOWHERE for one number each. physical: what is called rho or T must be
-    above 0. active: the places at which values count.
+    """What a function of the case's returns, an array of (n,) for each name. X: (d, n) places, or
+    NOWHERE for one number each. physical: what is called rho or T must be above 0. active: the
+    places at which values count. InputError.
     """
     with np.errstate(all="ignore"):  # what comes of it is checked
         values = call(function, tuple(arguments), where)

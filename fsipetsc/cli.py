@@ -22,10 +22,9 @@ WIDTH = 100
 class Command(NamedTuple):
     """A command: what comes after its name, one line about it, the module with its function.
 
-    One that is done by one process has a function of the files and, where there are any, the
-    options as given, which returns what is printed. The others are done by all ranks: the function
-    gets the arguments and the communicator, and starts PETSc; SECTIONS, or sections(command,
-    arguments), of the module are the options that -help lists.
+    By one process: a function of the files and, where there are any, the options as given, which
+    returns what is printed. Else by all ranks: a function of the arguments and the communicator;
+    SECTIONS, or sections(command, arguments), of the module are the options that -help lists.
     """
 
     arguments: str
@@ -189,25 +188,20 @@ def _overview() -> str:
 
 
 def _options_help(title: str, usage: str, options: Mapping[str, Sequence[Option]]) -> str:
-    """List every option with type, default, unit and meaning; options: heading -> options. usage:
-    what comes after the program's name.
-    """
+    """List every option with type, default, unit and meaning; options: heading -> options."""
     head = f"{title}\n\n  [mpiexec -n N] {PROGRAM} {usage}"
     sections = {heading: dict(map(_row, found)) for heading, found in options.items()}
     sections["More of PETSc"] = {f"-{name}": what for name, what in PASSED_ON.items()}
     notes = (
         "An option is written -name value; above its type and default follow its name. If one is "
-        "given more than once the last counts, and the command line overrides PETSC_OPTIONS. A "
-        "bool without a value is true; ints and floats are lists such as 0.1,0.25. These are all "
-        "options there are: of PETSc's own, others are refused."
+        "given twice the last counts; the command line overrides PETSC_OPTIONS. A bool without a "
+        "value is true; ints and floats are lists such as 0.1,0.25. PETSc's others are refused."
     )
     return "\n".join([_laid_out(head, sections, 40), "", *textwrap.wrap(notes, WIDTH)])
 
 
 def _laid_out(title: str, sections: Mapping[str, Mapping[str, str]], left: int) -> str:
-    """Lay out sections: heading -> name -> text, which stands on the right of the name, or below it
-    if that has more than ``left`` characters.
-    """
+    """Lay out heading -> name -> text, on the right of names of up to ``left`` letters."""
     lines = [title]
     for heading, rows in sections.items():
         lines += ["", heading]

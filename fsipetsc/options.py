@@ -1,7 +1,7 @@
 """The table of options: -help, checking, the options stored with a result and the docs use it.
 
-PETSc reads the command line, PETSC_OPTIONS and options files into its database. What it then holds
-is checked here, once. The rest of the program gets typed values, PETSc those that it is to follow.
+PETSc reads the command line, PETSC_OPTIONS and options files. What it then holds is checked here,
+once. The rest of the program gets typed values, PETSc those that it is to follow.
 """
 
 import os
@@ -272,10 +272,8 @@ def is_option(word: str) -> bool:
 
 def given_options(words: Sequence[str]) -> dict[str, str]:
     """Return name in lower case, as the tables have it, -> text of the options that were given, ""
-    without a value.
-
-    PETSc, which runs, reads PETSC_OPTIONS, the words of the command line, and the files that these
-    name; its database is empty afterwards. InputError, FileError for a file that cannot be read.
+    without a value. PETSc, which runs, reads PETSC_OPTIONS, the words of the command line, and the
+    files that these name; its database is empty afterwards. InputError, FileError.
     """
     from petsc4py import PETSc
 
@@ -323,17 +321,14 @@ def read_options(
     extra: Sequence[Option] = (),
     inherited: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
-    """Return name -> typed value of every option in force; PETSc, which runs, gets its own.
-
-    given: see ``given_options``; the others: see ``groups``. InputError for an unknown name, a
-    missing or bad value.
+    """Return name -> typed value of every option in force; PETSc, which runs, gets its own. given:
+    see ``given_options``; the others: see ``groups``. InputError.
     """
     from petsc4py import PETSc
 
     values = read_table(groups(case, extra, inherited), given)
-    for option, value in values.items():
-        if value is REQUIRED:
-            raise InputError(f"-{option} must be given: the case has no default for it")
+    for option in [name for name, value in values.items() if value is REQUIRED]:
+        raise InputError(f"-{option} must be given: the case has no default for it")
     for method in ("rk", "ssp"):  # who names one of PETSc's methods wants it, not the fused one
         if f"ts_{method}_type" in given and "ts_type" not in given:
             values["ts_type"] = method
@@ -354,9 +349,7 @@ def read_options(
 def read_table(
     sections: Mapping[str, Sequence[Option]], given: Mapping[str, str]
 ) -> dict[str, Any]:
-    """Return name -> typed value of options of ``groups``. InputError for an unknown name or a bad
-    value.
-    """
+    """Return name -> typed value of options of ``groups``. InputError."""
     options = {option.name: option for found in sections.values() for option in found}
     known = [*options, *PASSED_ON]
     unknown = sorted(given.keys() - {name.lower() for name in known})

@@ -58,9 +58,7 @@ class _Layer:
         return f"layer '{self.name}'"
 
     def values(self, what: str, X: Array, t: float = 0.0, active: Any = slice(None)) -> list[Array]:
-        """Values of initial, exact or forcing at points X (n,), which count at the active ones
-        only. InputError, perhaps on this rank alone.
-        """
+        """Values of initial, exact or forcing at points X (n,): see ``block_values``."""
         return block_values(self, what, X[None], t, active)
 
     def fitting(self, h: float) -> int:
@@ -228,10 +226,8 @@ def check_place(layer: FluidLayer, end: Any, x: float, h: float) -> None:
 
 
 def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
-    """A problem of layers as blocks.
-
-    h: spacing [m] of layers without cells of their own; order: of the operators. InputError where
-    h does not fit a solid, or for what only the paper's method has.
+    """A problem of layers as blocks. h: spacing [m] of layers without cells of their own; order: of
+    the operators. InputError where h does not fit, or for what only the paper's method has.
     """
     blocks, least = [], OPERATORS[order].min_points - 1
     for k, layer in enumerate(problem.layers):

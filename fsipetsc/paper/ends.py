@@ -19,15 +19,13 @@ from fsipetsc.scheme.plan import EXHAUSTED
 
 #: nodes that a formula may use, ghost point included
 NODES = 8
-#: least weight of the ghost point in the formula for data that are given; in that for gradients
-#: from degree 4 on: with less the viscous stress of the ghost point takes more than the time step
-#: gives
+#: least weight of the ghost point in the formula for data; in that for gradients from degree 4 on:
+#: with less the viscous stress of the ghost point takes more than the time step gives
 LEAST, LEAST_OF_GRADIENTS = 0.25, 0.3
 #: order 1 of an open end fades out where viscosity is this fraction of c0 L; q_nn = 0 where alpha
 #: is this fraction of a L
 LONGEST = 0.25
-#: of an insulated wall, by s, and for q = s + 1, s + 2, s + 3: coefficients of eta_q in powers of
-#: delta
+#: of an insulated wall, by s, for q = s + 1 …: coefficients of eta_q in powers of delta
 ETA = np.zeros((4, 3, 4))
 ETA[0, 0, :2] = 0.0, 0.5
 ETA[1, 0, :3] = 0.0882352941176471, 0.0883801777493091, -0.1766154718669562
@@ -66,8 +64,7 @@ def depth_of(op):
 def lagrange(delta, degree):
     """Lagrange weights and their derivatives at delta for the nodes 0, 1, ..., degree.
 
-    Node 0 is the ghost point and the boundary lies delta cells inside of it; (4.26) is degree 2,
-    with the sign of its third weight corrected so that the weights sum to one.
+    Node 0 is the ghost point and the boundary lies delta cells inside of it; (4.26) is degree 2.
     """
     weights, slopes = [], []
     for k in range(degree + 1):
@@ -118,11 +115,9 @@ def insulated_ghost(p, narrow, T, delta):
 
 
 class GasEnd:
-    """What formulas of an end of a gas take. rho, u, T: of the ghost point, number 0, and of points
-    inside of it; data: what is given there.
-
-    new: degree of the extrapolation that fills a new point. ghost(): (rho, u, T) of the ghost
-    point. gradient(): (u, T) of the ghost point for gradients, where they are others.
+    """An end of a gas. rho, u, T: of the ghost point, number 0, and of points inside of it; data:
+    what is given there. new: degree of the extrapolation that fills a new point. ghost(): (rho, u,
+    T) of the ghost point. gradient(): (u, T) of it for gradients, where they are others.
     """
 
     new = 2
@@ -294,9 +289,9 @@ def move_boundary(layer, results):
     """Let the ghost point be the first one at or beyond the boundary; results[EXHAUSTED]: 1 + the
     number of the layer if no point is left.
 
-    A point that comes in is extrapolated and becomes the ghost point, the old one keeps its value;
-    where the boundary moves inwards the last interior point becomes the ghost point. All ranks of a
-    layer decide alike. Where the cells are not a number, the bounds on the step will tell.
+    A point that comes in is extrapolated and becomes the ghost point; where the boundary moves
+    inwards the last interior point does. All ranks of a layer decide alike. Where the cells are not
+    a number, the bounds on the step will tell.
     """
     side, active, outwards = layer.side, layer.active, 2 * layer.side - 1
     cells = distance(layer) - 1e-9
@@ -323,17 +318,15 @@ def move_boundary(layer, results):
 
 def close_solid(layer):
     """Apply the conditions at the outer ends of a solid that this rank owns."""
-    (begin, beyond), points = layer.own, (layer.lo, layer.hi)
-    for side, end in enumerate(layer.ends):
+    begin, beyond = layer.own
+    for side, (end, i) in enumerate(zip(layer.ends, (layer.lo, layer.hi), strict=True)):
         if end is not None:
-            with when((begin <= points[side]) & (points[side] < beyond)):
-                close_end(layer, end, side, named(points[side]))
+            with when((begin <= i) & (i < beyond)):
+                close_end(layer, end, side, named(i))
 
 
 def close_end(layer, end, side, i):
-    """The same of one end, point i. An end that absorbs lets the characteristic sigma - p - n Z u
-    leave, Z = m0 c.
-    """
+    """An end that absorbs lets the characteristic sigma - p - n Z u leave, Z = m0 c."""
     solid, q, given, heat = layer.material, layer.local, layer.given[side, 0], layer.given[side, 4]
     step, n, beta = 1 - 2 * side, 2.0 * side - 1.0, [float(v) for v in layer.op.closure[0]]
     d = -n / layer.h
