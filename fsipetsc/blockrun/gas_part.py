@@ -12,7 +12,7 @@ from fsipetsc.blockrun.face_terms import nodes_of
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Centre
-from fsipetsc.blocks.grid import motion_of
+from fsipetsc.blocks.grid import grid_of
 from fsipetsc.checks import block_values
 from fsipetsc.equations.vectors import dot
 from fsipetsc.errors import InputError
@@ -76,7 +76,7 @@ class GasPart(BlockPart):
         ]
         nodes = np.array([n for members in leading for b, n in members if b == k], np.int64)
         where, self.moves = self.part.ghosted, nodes.size > 0
-        self._grid, self.metrics = motion_of(self._problem, k, self._order, where, nodes, faces)
+        self._grid, self.metrics = grid_of(self._problem, k, self._order, where, nodes, faces)
         self.gather = self._layout.gather(k, nodes, 2 * self._d)
         _, own, particle = system.own(k)
         self._particles = particle[np.searchsorted(own, nodes[self.gather.rows])]

@@ -1,7 +1,18 @@
 """The grid of a gas block: x = X + the displacements of its faces, blended (fsipetsc.blocks.hull):
 Gordon and Hall, Int. J. Numer. Meth. Eng. 7 (1973) 461-477. Its velocity is the same blend of the
-faces' velocities. What moves is a record for procedures (fsipetsc.kernels.procedure): of a line, a
-plane (fsipetsc.blocks.plane_grid), a cube, and around an axis or a centre.
+faces' velocities.
+
+On a plane only the faces are differentiated: D_k of a linear function is exact, so derivatives of a
+blend of faces are blends of derivatives along them. With S, N the faces along axis 1 at the low and
+high end of axis 2, W, E those along axis 2, and l, h the weights of low and high ends,
+
+    Q_ij     = l_j S_i + h_j N_i
+    u_ij     = Q_ij + l_i (W_j - Q_0j) + h_i (E_j - Q_nj)
+    D_1 u_ij = l_j D_1 S_i + h_j D_1 N_i + [E_j - W_j - (Q_nj - Q_0j)]
+    D_2 u_ij = l_i D_2 W_j + h_i D_2 E_j + [N_i - S_i - l_i (N_0 - S_0) - h_i (N_n - S_n)]
+
+The brackets are 0 to the bit at S and N, or W and E. Along a periodic axis there are no faces
+across it; then their values, those at vertices, l and h are 0.
 
 Around an axis (kappa = 1) or a centre (2) it is a flat grid of (z, s), s = |r|^kappa r/(kappa + 1),
 as r^kappa dr = ds; r is the last coordinate. With A = |r|^kappa, the velocity v of the grid, and
@@ -18,94 +29,199 @@ fsipetsc.equations.gas). Beside an axis, where A has a kink, D along r has weigh
 of fsipetsc.operators.bands).
 """
 
-from typing import Any, NamedTuple
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
-from fsipetsc.blocks.block import Block, Range, mesh
+from fsipetsc.blocks.block import Range, mesh
 from fsipetsc.blocks.block_problem import BlockProblem
-from fsipetsc.blocks.hull import blend_of, end_weights, hull_of, nothing
+from fsipetsc.blocks.hull import blend_of, hull_of
 from fsipetsc.blocks.metrics import Wide, cube_of, slopes_across, slopes_along
-from fsipetsc.blocks.plane_grid import plane_motion
 from fsipetsc.checks import Array
 from fsipetsc.equations.tensors import cofactor, determinant
-from fsipetsc.kernels.arrays import column, zeros
+from fsipetsc.equations.vectors import add, scale, sub
+from fsipetsc.kernels.arrays import column, column_of, node, zeros
 from fsipetsc.kernels.loops import each, invoke, pick
 from fsipetsc.kernels.symbols import exact
 
 
-def ends_of(values):
-    """Values (1, H) at both ends of a block, 0 if it is periodic."""
-    return values[0, 0], values[0, -1]
+class Grid(SimpleNamespace):
+    """The motion of a range of N nodes of gas block k, a record for procedures; the W nodes of
+    ``wide`` are those that derivatives reach.
 
+    nodes: (M,) those on faces of the whole block whose displacement and velocity will be given.
+    faces: of the range, (axis, index along it), whose turning is wanted in three dimensions.
 
-class LineMotion(NamedTuple):
-    """A grid in one dimension; low, high: (N,) weights of the ends. slope: (N,) D X. hull:
-    fsipetsc.blocks.hull.
-
-    known: (M, 2d) displacements [m] and velocities [m/s] of the given nodes. metrics: (d d + d, N),
-    a^1 … a^d and the velocity of the grid.
+    Procedures get known: (M, 2d) displacements [m] and velocities [m/s] of the given nodes, and
+    metrics: (d d + d, N), a^1 … a^d and the velocity of the grid; around an axis or a centre A is
+    one more row.
     """
 
-    hull: Any
-    low: Array
-    high: Array
-    slope: Array
+    #: of the axes whose faces are blended
+    order = "012"
+
+    def __init__(self, problem: BlockProblem, k: int, wide: Wide, nodes: Array, faces: Any) -> None:
+        block, centred = problem.blocks[k], problem.centred(k)
+        self.like, self.hull = (0.0,) * problem.dimension, hull_of(block, nodes, centred)
+        self.blend, self.wide, self.range = blend_of(
+            block, wide, self.hull.nodes, self.order, centred
+        )
 
     def edge(self, known, metrics):
         """Find where the grid's faces are, and a^k on those at constraints, or everywhere if that
         is little work.
         """
-        self.hull.fill(self.hull.moved, known, 0)
-        metrics[0, :] = 1.0
+        raise NotImplementedError
 
-    move = nothing
-    find_volumes = nothing
+    def move(self, metrics):
+        """Find where the grid is and a^k, as far as `edge` has not."""
 
     def swing(self, known, metrics):
         """Fill the velocity, after `edge` and `move`."""
-        self.hull.fill(self.hull.moving, known, 1)
-        ends = ends_of(self.hull.moving)
-        for i in each(self.low.shape[0], vector=True):
-            metrics[1, i] = self.between(i, *ends)
-
-    def between(self, i, at_low, at_high):
-        """What is blended from both ends, at a node."""
-        return exact(self.low[i] * at_low + self.high[i] * at_high)
+        d = len(self.like)
+        self.hull.fill(self.hull.moving, known, d)
+        self.blend.fill(self.hull.moving, metrics[d * d :], self.range)
 
     def find_places(self, X, places):
-        """Where nodes are after `move` (d, N); X: those of the reference map."""
-        ends = ends_of(self.hull.moved)
-        for i in each(self.low.shape[0], vector=True):
-            places[0, i] = X[0, i] + self.between(i, *ends)
+        """Find where nodes are (d, N), after `move`; X: those of the reference map."""
+        self.blend.fill(self.hull.moved, places, self.range, X)
+
+    def find_volumes(self):
+        """Find what `jacobian` takes."""
 
     def jacobian(self, metrics, node):
         """det(D x) of a node, after `find_volumes`."""
-        at_low, at_high = ends_of(self.hull.moved)
-        return self.slope[node] + (at_high - at_low)
+        return self.volume[node]
 
 
-class CubeMotion(NamedTuple):
-    """A grid in three dimensions. blend: on the W wide nodes; wide, range: windows of these and of
-    the N nodes. y: (3, W), of a Wide; x, moved: (3, W) places less those of linear maps, volume:
-    (N,) det D x. faces: (2, F) wide nodes that derivatives on faces at constraints reach, and their
-    columns of the hull; ahead, back: (9, N) a^k there if nodes go on with their velocity for 1 s,
-    and where they were 1 s before. address, kept: see `cube_of`.
+class Line(Grid):
+    """A grid in one dimension."""
+
+    def __init__(self, problem: BlockProblem, k: int, wide: Wide, *given: Any) -> None:
+        super().__init__(problem, k, wide, *given)
+        self.slope = np.ascontiguousarray(wide.gradients()[0, 0])
+
+    def edge(self, known, metrics):
+        self.hull.fill(self.hull.moved, known, 0)
+        metrics[0, :] = 1.0
+
+    def jacobian(self, metrics, node):
+        return self.slope[node] + (self.hull.moved[0, -1] - self.hull.moved[0, 0])
+
+
+class Plane(Grid):
+    """A flat grid in two dimensions. slopes: (4, N), D_1 X and D_2 X. along, across: the faces
+    along both axes. corners: columns of the four vertices, if there are any, vertices: (4, 2)
+    values there; rise: (2, n) the bracket of D_2 u.
+
+    Faces along an axis: columns (2, n) of the hull, if there are any, the band of the axis, the
+    first node of the range, ends: (2, n) weights of the ends of the axis; f, slope: (4, n) values
+    and derivatives by side and component.
     """
 
-    hull: Any
-    blend: Any
-    wide: Any
-    range: Any
-    y: Array
-    x: Array
-    moved: Array
-    volume: Array
-    faces: Array
-    ahead: Array
-    back: Array
-    address: int
-    kept: Any
+    order = "10"
+
+    def __init__(self, problem: BlockProblem, k: int, wide: Wide, *given: Any) -> None:
+        super().__init__(problem, k, wide, *given)
+        self.slopes = np.ascontiguousarray(wide.gradients().reshape(4, -1))
+        blended = self.blend.axes
+        self.along, self.across = (self._faces(wide, axis) for axis in (0, 1))
+        corners = blended[1].columns[:, [0, -1]].ravel() if len(self.blend.order) == 2 else ()
+        self.corners, self.vertices = np.array(corners, int), np.zeros((4, 2))
+        self.rise = np.zeros((2, self.range.sizes[0]))
+
+    def _faces(self, wide: Wide, axis: int) -> SimpleNamespace:
+        own, opposite = self.blend.axes[axis], self.blend.axes[1 - axis]
+        n, first = wide.sizes[axis], self.wide.first[axis]
+        ends = slice(self.range.first[axis], self.range.first[axis] + self.range.sizes[axis])
+        weights = np.zeros((2, 1, ends.stop)) if own is None else own.weights
+        columns = np.zeros((0, n), int) if opposite is None else opposite.columns
+        return SimpleNamespace(
+            columns=np.ascontiguousarray(columns[:, first : first + n]),
+            S=wide.S[axis],
+            weight=wide.weight[axis],
+            first=wide.where[axis][0] - wide.wide[axis][0],
+            ends=np.ascontiguousarray(weights[:, 0, ends]),
+            f=np.zeros((4, n)),
+            slope=np.zeros((4, n)),
+        )
+
+    def edge(self, known, metrics):
+        """Fill a^1 = (D_2 y, -D_2 x) and a^2 = (-D_1 y, D_1 x)."""
+        self.hull.fill(self.hull.moved, known, 0)
+        self.differentiate_faces(self.hull.moved)
+        along, across, G = self.along, self.across, self.slopes
+        n, like, of_row = along.ends.shape[1], self.like, across.ends
+        at_00, at_10, at_01, at_11 = (node(like, self.vertices, k) for k in range(4))
+        for j in each(of_row.shape[1]):
+            (low, high), at = (of_row[0, j], of_row[1, j]), across.first + j
+            (W, E), (D_W, D_E) = pair(across.f, at), pair(across.slope, at)
+            start, stop = mixed(low, at_00, high, at_01), mixed(low, at_10, high, at_11)
+            rise = sub(sub(E, W), sub(stop, start))
+            for i in each(n, vector=True):
+                at, (D_S, D_N) = j * n + i, pair(along.slope, along.first + i)
+                x_1, y_1 = add(mixed(low, D_S, high, D_N), rise)
+                of_axis_2 = mixed(along.ends[0, i], D_W, along.ends[1, i], D_E)
+                x_2, y_2 = add(column(like, self.rise, i), of_axis_2)
+                metrics[0, at] = G[3, at] + y_2
+                metrics[1, at] = -(G[2, at] + x_2)
+                metrics[2, at] = -(G[1, at] + y_1)
+                metrics[3, at] = G[0, at] + x_1
+
+    def differentiate_faces(self, values):
+        """Find values (2, H) of the hull at faces and vertices, derivatives along faces, and the
+        bracket of D_2 u.
+        """
+        for faces in self.along, self.across:
+            for r in each(2 * faces.columns.shape[0]):
+                for i in each(faces.f.shape[1], vector=True):
+                    faces.f[r, i] = values[r % 2, faces.columns[r // 2, i]]
+            slopes_along(faces.slope.reshape(-1), faces.f.reshape(-1), faces.S, faces.weight)
+        for corner in each(self.corners.shape[0]):
+            for c in range(2):
+                self.vertices[corner, c] = values[c, self.corners[corner]]
+        along, ends, at = self.along, self.along.ends, self.vertices
+        for c in range(2):
+            at_low, at_high = at[2, c] - at[0, c], at[3, c] - at[1, c]
+            for i in each(ends.shape[1], vector=True):
+                between, n = ends[0, i] * at_low + ends[1, i] * at_high, along.first + i
+                self.rise[c, i] = exact((along.f[2 + c, n] - along.f[c, n]) - between)
+
+    def jacobian(self, metrics, node):
+        x, y, z, t = (metrics[k, node] for k in range(4))
+        return exact(x * t - y * z)
+
+
+def mixed(l, a, h, b):
+    """l a + h b."""
+    return exact(add(scale(l, a), scale(h, b)))
+
+
+def pair(f, at):
+    """Values at both ends, which opposite faces have of a node."""
+    return column((0.0, 0.0), f, at), column_of((0.0, 0.0), f, 2, at)
+
+
+class Cube(Grid):
+    """A grid in three dimensions. y: (3, W), of a Wide; x, moved: (3, W) places less those of
+    linear maps, volume: (N,) det D x. faces: (2, F) wide nodes that derivatives on faces at
+    constraints reach, and their columns of the hull; ahead, back: (9, N) a^k there if nodes go on
+    with their velocity for 1 s, and where they were 1 s before. address, kept: see `cube_of`.
+    """
+
+    def __init__(self, problem: BlockProblem, k: int, wide: Wide, nodes: Array, faces: Any) -> None:
+        super().__init__(problem, k, wide, nodes, faces)
+        self.y, (self.x, self.moved) = wide.y, zeros((2, *wide.y.shape))
+        self.volume = np.zeros(int(np.prod(self.range.sizes)))
+        self.ahead, self.back = np.zeros((2, 9, self.volume.size))
+        self.address, self.kept = cube_of(wide, faces)
+        shape, index = problem.blocks[k].shape, mesh([np.arange(*ends) for ends in wide.wide])
+        on_faces = (index[a] == wide.where[a][0] + i for a, i in faces)
+        at = sum(on_faces, np.zeros(index[0].shape, bool))
+        within = [(i % n)[at] for i, n in zip(index, shape)]
+        columns = np.searchsorted(self.hull.nodes, np.ravel_multi_index(within, shape, order="F"))
+        self.faces = np.stack([np.flatnonzero(at), columns])
 
     def edge(self, known, metrics):
         self.hull.fill(self.hull.moved, known, 0)
@@ -113,13 +229,8 @@ class CubeMotion(NamedTuple):
         invoke("cube_faces", self.address, self.x, metrics)
 
     def move(self, metrics):
-        """Find where the grid is and a^k, as far as `edge` has not."""
         self.blend.fill(self.hull.moved, self.x, self.wide, self.y)
         invoke("cube_areas", self.address, self.x, metrics)
-
-    def swing(self, known, metrics):
-        self.hull.fill(self.hull.moving, known, 3)
-        self.blend.fill(self.hull.moving, metrics[9:], self.range)
 
     def turn(self):
         """Find ahead and back, after `swing`."""
@@ -134,65 +245,45 @@ class CubeMotion(NamedTuple):
                 n = self.faces[0, i]
                 out[c, n] = base[c, n] + sign * values[c, self.faces[1, i]]
 
-    def find_places(self, X, places):
-        self.blend.fill(self.hull.moved, places, self.range, X)
-
     def find_volumes(self):
-        """Find what ``jacobian`` takes."""
         invoke("cube_volumes", self.address, self.x, self.volume)
 
-    def jacobian(self, metrics, node):
-        return self.volume[node]
 
+class Radial(Grid):
+    """A grid around an axis or a centre.
 
-class RadialMotion(NamedTuple):
-    """A grid around an axis or a centre; metrics have A as a row after the velocity.
-
-    like: d zeros, hoops: kappa zeros. blend, y, P, S, weight, inner, x, v: as of CubeMotion.
-    before: nodes of faster axes between neighbours along each axis. area, slope: (W,), flat: (d, W)
-    z and s, or w, b, slopes: (d d, W), room. source, volume: (N,) S and J of the range; turning:
-    (d d, N) d a^k/dt in two dimensions; bounds: (d d + d + 1, N) metrics by which steps are
-    bounded.
+    hoops: kappa zeros. y, P, S, weight, inner: of a Wide; before: nodes of faster axes between
+    neighbours along each axis. x, v: (d, W) places and velocities. area: (W,) A. flat: (d, W) z and
+    s, or w, b, slopes: (d d, W), slope: (W,) room. source, volume: (N,) S and J; turning: (d d, N)
+    d a^k/dt in two dimensions; bounds: (d d + d + 1, N) metrics by which steps are bounded.
     """
 
-    hull: Any
-    like: Any
-    hoops: Any
-    blend: Any
-    wide: Any
-    range: Any
-    inner: Array
-    y: Array
-    P: Array
-    S: Any
-    weight: Any
-    before: Any
-    area: Array
-    slope: Array
-    x: Array
-    v: Array
-    flat: Array
-    b: Array
-    slopes: Array
-    source: Array
-    volume: Array
-    turning: Array
-    bounds: Array
+    def __init__(self, problem: BlockProblem, k: int, wide: Wide, *given: Any) -> None:
+        super().__init__(problem, k, wide, *given)
+        d, W = wide.y.shape
+        self.hoops, self.inner = (0.0,) * problem.symmetry, wide.inner(np.arange(W))
+        self.y, self.P, self.S, self.weight = wide.y, wide.P, wide.S, wide.weight
+        self.before = (1, *wide.sizes[:-1])
+        self.area, self.slope = np.zeros((2, W))
+        self.x, self.v, self.flat = np.zeros((3, d, W))
+        self.b, self.slopes = np.zeros((2, d * d, W))
+        self.source, self.volume = np.zeros((2, self.inner.size))
+        self.turning = np.zeros((d * d, self.inner.size))
+        self.bounds = np.zeros((d * d + d + 1, self.inner.size))
 
     def edge(self, known, metrics):
         """Complete x, find A and flat, and fill a^k, A, source, volume."""
         self.hull.fill(self.hull.moved, known, 0)
         d, kappa, area, slopes = len(self.like), len(self.hoops), self.area, self.slopes
         last, entries, inner = d - 1, (0.0,) * d * d, self.inner
-        self.blend.fill(self.hull.moved, self.x, self.wide)
+        self.blend.fill(self.hull.moved, self.x, self.wide, self.y)
         for n in each(area.size, vector=True):
-            for c in range(d):
-                self.x[c, n] += self.y[c, n]
+            for c in range(last):
                 self.flat[c, n] = self.x[c, n]
             r = self.x[last, n]
             A = abs(r) if kappa == 1 else r * r
             area[n], self.flat[last, n] = A, A * r / (kappa + 1.0)
-        differentiate_flat(self)
+        self.differentiate_flat()
         for n in each(area.size, vector=True):
             for k in range(d):
                 for c in range(last):
@@ -210,12 +301,9 @@ class RadialMotion(NamedTuple):
             through = self.flat[0]
             for n in each(area.size, vector=True):
                 through[n] = area[n] * self.b[k * d + last, n]
-            differentiate(self, k, self.slope, through)
+            self.differentiate(k, self.slope, through)
             for i in each(inner.size, vector=True):
                 self.source[i] += self.slope[inner[i]]
-
-    move = nothing
-    find_volumes = nothing
 
     def swing(self, known, metrics):
         """Velocity of the grid, and turning."""
@@ -231,7 +319,7 @@ class RadialMotion(NamedTuple):
         for n in each(area.size, vector=True):
             for c in range(d):
                 self.flat[c, n] = v[c, n] * (area[n] if c == last else 1.0)
-        differentiate_flat(self)
+        self.differentiate_flat()
         for i in each(self.inner.size, vector=True):
             n = self.inner[i]
             slopes, b = column(entries, self.slopes, n), column(entries, self.b, n)
@@ -239,12 +327,6 @@ class RadialMotion(NamedTuple):
             for m, turned in enumerate(cofactor(slopes)):
                 more = exact(area[n] * turned + spread * b[m])
                 self.turning[m, i] = more if m % d == last else turned
-
-    def find_places(self, X, places):
-        self.blend.fill(self.hull.moved, places, self.range, X)
-
-    def jacobian(self, metrics, node):
-        return self.volume[node]
 
     def bound(self, metrics):
         """Fill bounds: metrics, a^k times 1/2 (1 + the largest A of the node and those beside it
@@ -264,63 +346,26 @@ class RadialMotion(NamedTuple):
                 for c in range(d):
                     bounds[k * d + c, i] *= 0.5 * (1.0 + largest / here)
 
+    def differentiate(self, k, out, f):
+        """out = D_k f, both (W,)."""
+        if k == 0:
+            slopes_along(out, f, self.S[k], self.weight[k])
+        else:
+            slopes_across(out, f, self.S[k], self.weight[k], self.before[k])
 
-def differentiate(grid, k, out, f):
-    """out = D_k f, both (W,)."""
-    if k == 0:
-        slopes_along(out, f, grid.S[k], grid.weight[k])
-    else:
-        slopes_across(out, f, grid.S[k], grid.weight[k], grid.before[k])
-
-
-def differentiate_flat(grid):
-    """slopes: D_k of both components of flat."""
-    d = len(grid.like)
-    for k in range(d):
-        for c in range(d):
-            differentiate(grid, k, grid.slopes[k * d + c], grid.flat[c])
+    def differentiate_flat(self):
+        """slopes: D_k of both components of flat."""
+        d = len(self.like)
+        for k in range(d):
+            for c in range(d):
+                self.differentiate(k, self.slopes[k * d + c], self.flat[c])
 
 
-def motion_of(
+def grid_of(
     problem: BlockProblem, k: int, order: int, where: Range, nodes: Array, faces: Any
-) -> tuple[Any, Array]:
-    """The motion of a range of nodes of gas block k (of a rank: the ghosted), and its metrics.
-
-    nodes: numbers (M,) of those nodes on faces of the whole block whose displacement and velocity
-    will be given, in any order. faces: of the range, (axis, index along it), whose turning is
-    wanted in three dimensions.
-    """
-    block, d, centred = problem.blocks[k], problem.dimension, problem.centred(k)
-    wide, hull = Wide(problem, k, order, where), hull_of(block, nodes, centred)
-    W, inner = wide.y.shape[1], wide.inner(np.arange(wide.y.shape[1]))
-    metrics = zeros((d * d + d + (problem.symmetry > 0), inner.size))
-    if d == 2 and not problem.symmetry:
-        return plane_motion(block, wide, hull), metrics
-    if d == 1 and not problem.symmetry:
-        weights = end_weights(block, 0, np.arange(*where[0]))[:, 0]
-        return LineMotion(hull, *weights, np.ascontiguousarray(wide.gradients()[0, 0])), metrics
-    windows = blend_of(block, wide, hull.nodes, centred)
-    if d == 3:
-        room = *zeros((2, 3, W)), np.zeros(inner.size), _on_faces(block, wide, hull, faces)
-        areas = np.zeros((2, 9, inner.size))
-        return CubeMotion(hull, *windows, wide.y, *room, *areas, *cube_of(wide, faces)), metrics
-    of_map = wide.y, wide.P, wide.S, wide.weight, tuple((1, *wide.sizes[:-1]))
-    room = *np.zeros((2, W)), *np.zeros((3, d, W)), *np.zeros((2, d * d, W))
-    of_range = *np.zeros((2, inner.size)), np.zeros((d * d, inner.size)), np.zeros(metrics.shape)
-    hoops = (0.0,) * problem.symmetry
-    return RadialMotion(
-        hull, (0.0,) * d, hoops, *windows, inner, *of_map, *room, *of_range
-    ), metrics
-
-
-def _on_faces(block: Block, wide: Wide, hull: Any, faces: Any) -> Array:
-    """(2, F) wide nodes on faces of a range, (axis, index along it), and their columns."""
-    index = mesh([np.arange(*ends) for ends in wide.wide])
-    at = np.any(
-        [np.zeros_like(index[0], bool), *(index[a] == wide.where[a][0] + i for a, i in faces)],
-        axis=0,
-    )
-    numbers = np.ravel_multi_index(
-        [(i % n)[at] for i, n in zip(index, block.shape)], block.shape, order="F"
-    )
-    return np.stack([np.flatnonzero(at), np.searchsorted(hull.nodes, numbers)])
+) -> tuple[Grid, Array]:
+    """The `Grid` of a range of nodes of gas block k (of a rank: the ghosted), and its metrics."""
+    d, around = problem.dimension, problem.symmetry > 0
+    wide, kind = Wide(problem, k, order, where), Radial if around else (Line, Plane, Cube)[d - 1]
+    size = int(np.prod([end - begin for begin, end in where]))
+    return kind(problem, k, wide, nodes, faces), zeros((d * d + d + around, size))

@@ -128,11 +128,12 @@ class Window(NamedTuple):
 
 class Blend(NamedTuple):
     """Three axes, None for those without faces, and how many nodes there are along them: those of a
-    range and, along an axis that has faces, those at both ends.
+    range and, along an axis that has faces, those at both ends. order: of the axes with faces.
     """
 
     axes: Any
     sizes: Any
+    order: str
 
     def fill(self, values, out, window, base=None):
         """out (d, nodes of a window) from values (d, H) of the hull, added to base (d, …) if there
@@ -141,27 +142,23 @@ class Blend(NamedTuple):
         images = window.images
         for c in each(values.shape[0]):
             of_base = None if base is None else base[c]
-            for k, axis in enumerate(self.axes):
-                if axis is not None:
-                    find_missing(self, k, c, values[c])
+            for n, k in enumerate(self.order):
+                find_missing(self, self.order[:n], int(k), c, values[c])
             add_between(self, c, out[c], window, of_base)
-            for k, axis in enumerate(self.axes):
-                if axis is not None:
-                    put_faces(self, k, values[c], out[c], window, of_base)
+            for k in self.order:
+                put_faces(self, int(k), values[c], out[c], window, of_base)
             for i in each(images.shape[1]):
                 out[c, images[0, i]] = out[c, images[1, i]]
         for i in each(images.shape[1]):
             out[values.shape[0] - 1, images[0, i]] *= -1.0
 
-    def between(self, axes, c, at):
-        """The sum of what these axes add at a node, or None; at: its place along each axis."""
-        found = None
-        for k in axes:
-            if (axis := self.axes[k]) is not None:
-                i, m = at[k], self.at_face(k, at)
-                low, high = (axis.weights[side, c, i] * axis.missing[side, m] for side in (0, 1))
-                more = exact(low + high)
-                found = more if found is None else found + more
+    def between(self, order, c, at):
+        """The sum of what these axes add at a node; at: its place along each axis."""
+        found = 0.0
+        for k in map(int, order):
+            axis, i, m = self.axes[k], at[k], self.at_face(k, at)
+            low, high = (axis.weights[side, c, i] * axis.missing[side, m] for side in (0, 1))
+            found = exact(low + high) + found
         return found
 
     def at_face(self, k, at):
@@ -171,10 +168,10 @@ class Blend(NamedTuple):
 
 
 def blend_of(
-    block: Block, wide: Wide, nodes: Array, centred: bool = False
+    block: Block, wide: Wide, nodes: Array, order: str, centred: bool
 ) -> tuple[Blend, Window, Window]:
     """The blend of the nodes of a Wide, and the windows of all of them and of its own range. nodes:
-    of the hull. centred: the block goes to r = 0.
+    of the hull. order: of all axes. centred: the block goes to r = 0.
     """
     d, index = block.dimension, []
     for n, (begin, end), closed in zip(block.shape, wide.wide, block.periodic):
@@ -202,24 +199,20 @@ def blend_of(
             tuple(map(int, first)), tuple(sizes), np.stack([rows.ravel(), mirrored.ravel()])
         )
 
-    blend = Blend(tuple(axes), tuple([*map(len, index), 1, 1][:3]))
+    order = "".join(k for k in order if axes[int(k)] is not None)
+    blend = Blend(tuple(axes), tuple([*map(len, index), 1, 1][:3]), order)
     return blend, window(wide.wide), window(wide.where)
 
 
-def nothing(grid, *given):
-    """What a grid need not do, as `edge` has found all."""
-
-
-def find_missing(blend, k, c, f):
-    """Find what is missing at both faces of axis k; before the first axis all is."""
+def find_missing(blend, before, k, c, f):
+    """Find what is missing at both faces of axis k, after the axes before it."""
     axis, (a, b) = blend.axes[k], (m for m in range(3) if m != k)
     for j in each(blend.sizes[b]):
         for i in each(blend.sizes[a], vector=True):
             for side, end in enumerate((0, blend.sizes[k] - 1)):
                 at = {a: i, b: j, k: end}
-                known, m = blend.between(range(k), c, at), blend.at_face(k, at)
-                value = f[axis.columns[side, m]]
-                axis.missing[side, m] = value if known is None else value - known
+                m = blend.at_face(k, at)
+                axis.missing[side, m] = f[axis.columns[side, m]] - blend.between(before, c, at)
 
 
 def add_between(blend, c, out, window, base):
@@ -230,8 +223,7 @@ def add_between(blend, c, out, window, base):
         for y in each(ny):
             row = named(window.number(0, y, z))
             for x in each(nx, vector=True):
-                u = blend.between(range(3), c, (x0 + x, y0 + y, z0 + z))
-                u = 0.0 if u is None else u
+                u = blend.between(blend.order, c, (x0 + x, y0 + y, z0 + z))
                 out[row + x] = u if base is None else base[row + x] + u
 
 
