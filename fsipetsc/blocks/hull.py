@@ -17,7 +17,7 @@ import numpy as np
 from fsipetsc.blocks.block import Block, mesh
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.checks import Array
-from fsipetsc.kernels.loops import each, named, pick, when
+from fsipetsc.kernels.loops import each, named, when
 from fsipetsc.kernels.symbols import exact
 
 
@@ -113,12 +113,14 @@ class BlendAxis(NamedTuple):
 
 class Window(NamedTuple):
     """A range of the nodes of a blend: the first one and how many there are along three axes.
-    images: (2, I) numbers, within the range and the I images before it, of images before a centre
-    and of the nodes that they mirror.
+    ends: for both sides, where the face of each axis is in the range, -1: not there. images: (2, I)
+    numbers, within the range and the I images before it, of images before a centre and of the nodes
+    that they mirror.
     """
 
     first: Any
     sizes: Any
+    ends: Any
     images: Array
 
     def number(self, x, y, z):
@@ -186,18 +188,20 @@ def blend_of(
         axes[k] = BlendAxis(columns, weights, np.zeros(columns.shape))
 
     def window(ranges: Any) -> Window:
-        first, sizes, images = [0, 0, 0], [1, 1, 1], 0
+        first, sizes, images, ends = [0, 0, 0], [1, 1, 1], 0, [[-1] * 3, [-1] * 3]
         for k, ((begin, end), closed) in enumerate(zip(ranges, block.periodic)):
             images += 0 if closed else max(-begin, 0)
             begin = begin if closed else max(begin, 0)
             first[k] = begin - wide.wide[k][0] if closed else np.searchsorted(index[k], begin)
-            sizes[k] = end - begin
+            sizes[k], last = end - begin, block.cells[k]
+            if not closed:
+                ends[0][k] = 0 if begin == 0 and not (centred and k == d - 1) else -1
+                ends[1][k] = last - begin if begin <= last < end else -1
         layer = int(np.prod(sizes[: d - 1]))
         rows = np.arange(images * layer).reshape(images, layer)
         mirrored = images * layer + rows[::-1]
-        return Window(
-            tuple(map(int, first)), tuple(sizes), np.stack([rows.ravel(), mirrored.ravel()])
-        )
+        pairs = np.stack([rows.ravel(), mirrored.ravel()])
+        return Window(tuple(map(int, first)), tuple(sizes), tuple(map(tuple, ends)), pairs)
 
     order = "".join(k for k in order if axes[int(k)] is not None)
     blend = Blend(tuple(axes), tuple([*map(len, index), 1, 1][:3]), order)
@@ -231,13 +235,13 @@ def put_faces(blend, k, f, out, window, base):
     """Put the values on faces of axis k, to the bit, where they are in the window."""
     axis, (a, b) = blend.axes[k], (m for m in range(3) if m != k)
     first, sizes = window.first, window.sizes
-    for i in each(sizes[k]):
-        low, high = (axis.weights[side, -1, first[k] + i] == 1.0 for side in (0, 1))
-        with when(low | high):
+    for side in (0, 1):
+        end = window.ends[side][k]
+        with when(end >= 0):
             for j in each(sizes[b]):
-                for h in each(sizes[a]):
-                    place = {k: i, a: h, b: j}
+                for i in each(sizes[a]):
+                    place = {k: end, a: i, b: j}
                     at = window.number(*(place[n] for n in range(3)))
                     m = blend.at_face(k, {n: first[n] + place[n] for n in range(3)})
-                    value = f[pick(low, axis.columns[0, m], axis.columns[1, m])]
+                    value = f[axis.columns[side, m]]
                     out[at] = value if base is None else base[at] + value
