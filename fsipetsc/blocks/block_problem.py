@@ -46,9 +46,8 @@ class BlockProblem:
     symmetry: int = 0
 
     def __post_init__(self) -> None:
-        """hinges: (block, node) of points. members: (block, node) of the nodes of faces that are at
-        one place, ascending, for each place. tolerance: places are the same that are no further
-        apart [m]. gas_laws: those of its gases that differ in formulas or numbers, in their order.
+        """hinges: (block, node) of points. members, tolerance: the particles of `Faces`, and
+        its tolerance. gas_laws: those of its gases that differ in formulas or numbers, in order.
         """
         self.blocks, self.notes = tuple(self.blocks), tuple(self.notes)
         names = [getattr(block, "name", None) for block in self.blocks]
@@ -60,9 +59,9 @@ class BlockProblem:
         check_units(self.units, "BlockProblem")
         function(self.jumps, "BlockProblem: jumps", optional=True)
         faces = Faces(self.blocks, self.faces)
-        self.tolerance, self.members, self._kinds = faces.tolerance, faces.particles, faces.kinds
+        self.tolerance, self.members = faces.tolerance, faces.particles
+        self._kinds, self._known = faces.kinds, faces.known
         self._check_symmetry()
-        self._known = [faces.places(k) for k in range(len(self.blocks))]
         self._find_laws()
         self.hinges = frozenset(self._hinge(*point) for point in self.points)
 
@@ -122,31 +121,22 @@ class BlockProblem:
         kind = self._kinds[k].get((axis, side))
         return isinstance(kind, Meeting) and self.blocks[kind.block].kind != self.blocks[k].kind
 
-    @cached_property
-    def _meeting(self) -> list[tuple[int, int]]:
-        """Blocks that have a face in common, of each face."""
-        every = ((k, met) for k, own in enumerate(self._kinds) for met in own.values())
-        return [(k, met.block) for k, met in every if isinstance(met, Meeting)]
+    def _pairs(self, *kinds: str) -> list[tuple[int, int]]:
+        """Blocks of these two kinds that have faces in common."""
+        every = {(k, met) for k, own in enumerate(self._kinds) for met in own.values()}
+        found = {(k, met.block) for k, met in every if isinstance(met, Meeting)}
+        wanted = (pair for pair in found if tuple(self.blocks[k].kind for k in pair) == kinds)
+        return sorted(wanted, key=sorted)
 
     @property
     def joined(self) -> bool:
         """Whether there are joins of gas and gas or solid and solid."""
-        return any(self.blocks[k].kind == self.blocks[j].kind for k, j in self._meeting)
-
-    @cached_property
-    def bodies(self) -> list[list[int]]:
-        """Numbers of the blocks of each body of gas, which joins connect."""
-        gas = [block.kind == "fluid" for block in self.blocks]
-        pairs = [(k, j) for k, j in self._meeting if gas[k] and gas[j]]
-        first = united(len(gas), [tuple(np.array(pairs, int).reshape(-1, 2).T)])
-        return [np.flatnonzero(first == k).tolist() for k in np.unique(first) if gas[k]]
+        return bool(self._pairs("fluid", "fluid") or self._pairs("solid", "solid"))
 
     @cached_property
     def interfaces(self) -> list[tuple[int, int]]:
         """(block of gas, block of a solid) that have faces in common, in the order of blocks."""
-        kinds, pair = [block.kind for block in self.blocks], ("fluid", "solid")
-        found = {(k, j) for k, j in self._meeting if (kinds[k], kinds[j]) == pair}
-        return sorted(found, key=sorted)
+        return self._pairs("fluid", "solid")
 
     @property
     def interface_names(self) -> list[str]:
@@ -263,9 +253,12 @@ class BlockProblem:
         passing = any(condition.passes == "gas" for condition in outer)
         masses = [solid.material.m0 * size_of(solid, self.symmetry) for solid in solids]
         capacities = [m * solid.material.alpha for m, solid in zip(masses, solids, strict=True)]
-        names = (" + ".join(blocks[k].name for k in body) for body in self.bodies)
+        joins = np.array(self._pairs("fluid", "fluid"), int).reshape(-1, 2).T
+        body_of = united(len(blocks), [tuple(joins)])[gases]
+        bodies = [np.flatnonzero(body_of == body).tolist() for body in np.unique(body_of)]
+        names = [" + ".join(blocks[gases[n]].name for n in body) for body in bodies]
         return {
-            "masses": [[name, list(map(gases.index, b))] for name, b in zip(names, self.bodies)],
+            "masses": [[name, body] for name, body in zip(names, bodies)],
             # along r pressure acts around an axis, too
             "momentum": "xyz"[: self.dimension - (self.symmetry > 0)],
             "energy": True,
@@ -281,16 +274,15 @@ class BlockProblem:
         """Number the laws of gases; gas at one place has one state, and so one law. InputError
         where gases of different laws meet, be it at an edge or a vertex alone.
         """
-        laws: list[Any] = []
-        self._law_of: dict[int, int] = {}
+        self.gas_laws: tuple[Any, ...] = ()
+        self._law_of = dict[int, int]()
         for k, block in enumerate(self.blocks):
             if block.kind == "fluid":
                 law = block.material.gas_law
-                same = (n for n, other in enumerate(laws) if _same(law, other))
-                self._law_of[k] = next(same, len(laws))
-                laws += [law] * (self._law_of[k] == len(laws))
-        self.gas_laws = tuple(laws)
-        for members in self.members if len(laws) > 1 else ():
+                same = (n for n, other in enumerate(self.gas_laws) if _same(law, other))
+                self._law_of[k] = next(same, len(self.gas_laws))
+                self.gas_laws = (*self.gas_laws, law)[: max(self._law_of.values()) + 1]
+        for members in self.members if len(self.gas_laws) > 1 else ():
             gases = [k for k, _ in members if k in self._law_of]
             if len({self._law_of[k] for k in gases}) > 1:
                 place = place_text(self.places(members[0][0], np.array([members[0][1]])))
@@ -304,7 +296,9 @@ class BlockProblem:
         return next((self._law_of[k] for k, _ in members if k in self._law_of), 0)
 
     def _check_symmetry(self) -> None:
-        """InputError for what a problem with an axis or a centre cannot have."""
+        """InputError for what a problem with an axis or a centre cannot have, and where a block
+        does not fit around it.
+        """
         d, symmetry = self.dimension, self.symmetry
         if symmetry not in (0, 1, 2)[: max(4 - d, 1)]:
             wanted = "expected 0, 1 in one or two dimensions, or 2 in one"
@@ -314,26 +308,22 @@ class BlockProblem:
                 wanted = f"expected axis {d - 1}, side 0 of a problem with an axis or a centre"
                 raise InputError(f"block '{name}', face {tuple(face)}: Centre(): {wanted}")
         for k, block in enumerate(self.blocks if symmetry else ()):
-            self._check_radial(block, self.centred(k))
-
-    def _check_radial(self, block: Block, centred: bool) -> None:
-        """InputError where a block does not fit around an axis or a centre."""
-        X = block.places(mesh([np.arange(n) for n in block.shape])).reshape(self.dimension, -1)
-        first, second = X.reshape(self.dimension, block.shape[-1], -1)[:, :2].swapaxes(0, 1)
-        off = np.abs([*(second - first)[:-1], 3.0 * first[-1] - second[-1]]).sum(axis=0)
-        wrong, centres = "", "the axis or centre that it reaches"
-        if self.symmetry == 1 and centred and block.kind == "solid":
-            wrong = "a solid cannot reach an axis, where its stresses would be wrong on any grid"
-        elif block.periods[:, -1].any() or block.prestress is not None:
-            wrong = "r grows by a period, or it has a prestress: expected neither"
-        elif centred and block.material.force[-1] != 0.0:
-            wrong = f"its force has no direction at {centres}: expected one along the axis"
-        elif not X[-1].min() > 1e-9 * X[-1].max():
-            wrong = f"r = {X[-1].min():.6g} at a node: expected r > 0, as off_axis makes it"
-        elif centred and not np.all(off <= 0.1 * (second - first)[-1]):
-            wrong = f"its first nodes are not half a spacing from {centres}: off_axis makes them so"
-        if wrong:
-            raise InputError(f"{block}: {wrong}")
+            X = block.places(mesh([np.arange(n) for n in block.shape])).reshape(d, -1)
+            first, second = X.reshape(d, block.shape[-1], -1)[:, :2].swapaxes(0, 1)
+            off = np.abs([*(second - first)[:-1], 3.0 * first[-1] - second[-1]]).sum(axis=0)
+            wrong, centred, centre = "", self.centred(k), "the axis or centre that it reaches"
+            if symmetry == 1 and centred and block.kind == "solid":
+                wrong = "a solid cannot reach an axis, where its stresses would be wrong"
+            elif block.periods[:, -1].any() or block.prestress is not None:
+                wrong = "r grows by a period, or it has a prestress: expected neither"
+            elif centred and block.material.force[-1] != 0.0:
+                wrong = f"its force has no direction at {centre}: expected one along the axis"
+            elif not X[-1].min() > 1e-9 * X[-1].max():
+                wrong = f"r = {X[-1].min():.6g} at a node: expected r > 0, as off_axis makes it"
+            elif centred and not np.all(off <= 0.1 * (second - first)[-1]):
+                wrong = f"its first nodes are not half a spacing from {centre}: see off_axis"
+            if wrong:
+                raise InputError(f"{block}: {wrong}")
 
     def _hinge(self, name: str, place: Any, condition: Hinge) -> tuple[int, int]:
         """(block, node). InputError where no node of a solid's face is at the place."""

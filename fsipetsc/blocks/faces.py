@@ -46,13 +46,11 @@ def number_of(blocks: Sequence[Block], name: Any) -> int:
 
 def check_faces(blocks: Sequence[Block], faces: Mapping[FaceName, Condition]) -> None:
     """InputError for wrong names and conditions."""
-    if not isinstance(faces, Mapping):
+    named = isinstance(faces, Mapping)
+    if not named or not all(isinstance(face, tuple) and len(face) == 3 for face in faces):
         wanted = "expected {(block name, axis, side): condition, …}"
         raise InputError(f"BlockProblem: faces is {described(faces)}: {wanted}")
     for name, condition in faces.items():
-        if not isinstance(name, tuple) or len(name) != 3:
-            wanted = "expected (block name, axis, side)"
-            raise InputError(f"BlockProblem: faces: {described(name)}: {wanted}")
         block = blocks[number_of(blocks, name[0])]
         vectors = (getattr(condition, vector, None) for vector in VECTORS)
         wrong = ""
@@ -84,75 +82,72 @@ class Face:
     def __str__(self) -> str:
         return f"{self.owner}, face (axis {self.axis}, side {self.side})"
 
+    def met_by(self, others: Sequence["Face"]) -> Condition | Meeting:
+        """What stands at this face, at whose place others are. InputError for a condition too many
+        or none.
+        """
+        condition, wrong = self.condition, ""
+        if len(others) > 1:
+            wrong = f"is at one place with {others[0]} and {others[1]}: expected two faces"
+        elif isinstance(condition, Periodic):
+            if not others or _key(others[0].wanted) != _key(self.labels):
+                at = f"{place_text(self.X[0])} + {condition.shift}"
+                wrong = f"is Periodic, and no Periodic face with the opposite shift is at {at}"
+            elif self.owner.kind != others[0].owner.kind:
+                wrong = f"goes on at {others[0]}: expected gas and gas, or two solids"
+        elif others and condition is not None:
+            named = type(condition).__name__
+            wrong = f"meets {others[0]}: expected no condition, and {named} is named"
+        elif not others and condition is None:
+            wanted = f"expected one, or a face with the same {len(self.X)} nodes"
+            wrong = f"has no condition, and no face meets it: {wanted}"
+        if wrong:
+            raise InputError(f"{self}, about {place_text(self.X.mean(axis=0))}, {wrong}")
+        return Meeting(others[0].block, others[0].axis, others[0].side) if others else condition
+
 
 class Faces:
     """The faces of all blocks, none on periodic axes. InputError for what does not meet.
 
     named: conditions of faces. tolerance: places are the same that are no further apart [m]. kinds:
-    what stands at the faces of each block. particles: (block, node) of the nodes at each place,
-    ascending, particles in the order of their first nodes.
+    what stands at the faces of each block. known: of each block the numbers of the nodes on faces,
+    ascending, and X (d, M) of the first node that is at their place. particles: (block, node) of
+    the nodes at each place, ascending, particles in the order of their first nodes.
     """
 
     def __init__(self, blocks: Sequence[Block], named: Mapping[FaceName, Condition]) -> None:
         check_faces(blocks, named)
         every = [(k, block, *face) for k, block in enumerate(blocks) for face in block.faces]
-        self._faces = [Face(*of, named.get((of[1].name, *of[2:]))) for of in every]
-        periodic = [face for face in self._faces if isinstance(face.condition, Periodic)]
+        faces = [Face(*of, named.get((of[1].name, *of[2:]))) for of in every]
+        periodic = [face for face in faces if isinstance(face.condition, Periodic)]
         shifted = (face.X + face.condition.shift for face in periodic)
-        X = [np.zeros((0, blocks[0].dimension)), *(face.X for face in self._faces), *shifted]
+        X = [np.zeros((0, blocks[0].dimension)), *(face.X for face in faces), *shifted]
         places = np.concatenate(X)
         self.tolerance = float(_SAME * np.abs(places).max(initial=0.0))
         labels = same_place(places, self.tolerance)
-        self._places = places[np.unique(labels, return_index=True)[1]]  # of the first of a label
+        places = places[np.unique(labels, return_index=True)[1]]  # of the first of a label
         pieces = iter(np.split(labels, np.cumsum([len(x) for x in X[1:]])))
         at = defaultdict[bytes, list[Face]](list)
-        for face in self._faces:
+        for face in faces:
             face.labels = face.wanted = next(pieces)
             at[_key(face.labels)].append(face)
         for face in periodic:
             face.wanted = next(pieces)
         self.kinds: list[Kinds] = [{} for _ in blocks]
-        for face in self._faces:
-            met = [other for other in at[_key(face.wanted)] if other is not face]
-            self.kinds[face.block][face.axis, face.side] = _kind(face, met)
-        smallest = united(len(self._places), [(f.labels, f.wanted) for f in periodic])
-        found = defaultdict[int, set[tuple[int, int]]](set)
-        for face in self._faces:
-            for node, label in zip(face.nodes.tolist(), smallest[face.labels].tolist()):
-                found[label].add((face.block, node))
-        self.particles = sorted(sorted(members) for members in found.values())
-
-    def places(self, k: int) -> tuple[Array, Array]:
-        """Numbers of the nodes on faces of block k, ascending, and X (d, M) of the first node that
-        is at their place.
-        """
-        own = [(face.nodes, face.labels) for face in self._faces if face.block == k]
-        nodes, labels = np.concatenate([np.zeros((2, 0), int), *map(np.array, own)], axis=1)
-        numbers, first = np.unique(nodes, return_index=True)
-        return numbers, self._places[labels[first]].T
-
-
-def _kind(face: Face, met: Sequence[Face]) -> Condition | Meeting:
-    """What stands at a face, at whose place others are. InputError for a condition too many or
-    none.
-    """
-    condition, wrong = face.condition, ""
-    if len(met) > 1:
-        wrong = f"is at one place with {met[0]} and {met[1]}: expected two faces"
-    elif isinstance(condition, Periodic):
-        if not met or _key(met[0].wanted) != _key(face.labels):
-            at = f"{place_text(face.X[0])} + {condition.shift}"
-            wrong = f"is Periodic, and no Periodic face with the opposite shift is at {at}"
-        elif face.owner.kind != met[0].owner.kind:
-            wrong = f"goes on at {met[0]}: expected gas and gas, or two solids"
-    elif met and condition is not None:
-        wrong = f"meets {met[0]}: expected no condition, and {type(condition).__name__} is named"
-    elif not met and condition is None:
-        wanted = f"expected one, or a face with the same {len(face.X)} nodes"
-        wrong = f"has no condition, and no face meets it: {wanted}"
-    if wrong:
-        raise InputError(f"{face}, about {place_text(face.X.mean(axis=0))}, {wrong}")
-    return Meeting(met[0].block, met[0].axis, met[0].side) if met else condition
+        for face in faces:
+            others = [other for other in at[_key(face.wanted)] if other is not face]
+            self.kinds[face.block][face.axis, face.side] = face.met_by(others)
+        nodes = np.concatenate([np.zeros(0, int), *(face.nodes for face in faces)])
+        owners = np.repeat([face.block for face in faces], [face.nodes.size for face in faces])
+        smallest = united(len(places), [(face.labels, face.wanted) for face in periodic])
+        labels = labels[: nodes.size]
+        self.known = list[tuple[Array, Array]]()
+        for own in (owners == k for k in range(len(blocks))):
+            numbers, first = np.unique(nodes[own], return_index=True)
+            self.known.append((numbers, places[labels[own][first]].T))
+        label, *members = np.unique([smallest[labels], owners, nodes], axis=1)
+        groups = np.split(np.transpose(members), np.flatnonzero(np.diff(label)) + 1)
+        self.particles = sorted([*map(tuple, group.tolist())] for group in groups if group.size)
 
 
 def _key(labels: Array) -> bytes:
