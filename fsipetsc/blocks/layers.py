@@ -33,15 +33,13 @@ class Layer:
         name: name of its block, or the beginning of the names of its blocks.
         material: a `Fluid` or an `ElasticSolid`.
         across: (low, high) along the last axis [m].
-        initial: as of `Block`.
+        initial, forcing, exact: as of `Block`.
         cells: number of cells across it; None: by the h of `layers`.
         span: (low, high) [m] for each axis along the layers, None for one that it reaches over all
             of; None: it reaches over all of them.
         sides: what stands at its sides: a condition, or (axis, side) -> condition; None: those of
             `layers`.
         beside: condition of its lower or upper face where the layer there has ended.
-        forcing: as of `Block`.
-        exact: as of `Block`.
     """
 
     name: str
@@ -91,10 +89,11 @@ def layers(
     least, axes = 1 if order is None else OPERATORS[order].min_points - 1, range(len(along))
     spans = [_columns(layer, along, cells) for layer in stack]
     cuts = [sorted({0, n}.union(*(span[k] for span in spans))) for k, n in enumerate(cells)]
-    own = [sides if layer.sides is None else layer.sides for layer in stack]
-    at_sides = [
-        of if isinstance(of, Mapping) else {(k, s): of for k in axes for s in (0, 1)} for of in own
-    ]
+    at_sides = []
+    for layer in stack:
+        of = sides if layer.sides is None else layer.sides
+        every = dict.fromkeys(product(axes, (0, 1)), of)
+        at_sides.append({**of} if isinstance(of, Mapping) else every)
     closed = [len(cuts[k]) == 2 and all(of.get((k, 0)) is None for of in at_sides) for k in axes]
     blocks, faces, top = {}, {}, stack[0].across[0]
     for n, (layer, span) in enumerate(zip(stack, spans)):
@@ -129,19 +128,17 @@ def layers(
         beyond[axis] += 2 * side - 1
         if tuple(beyond) in blocks or block.periodic[axis]:
             continue
+        missing = f"sides, of ({axis}, {side})"
         if axis in axes:
-            condition, missing = (
-                at_sides[where[-1]].get((axis, side)),
-                f"sides, of ({axis}, {side})",
-            )
+            condition = at_sides[where[-1]].get((axis, side))
             if condition is None and (layer.span is None or layer.span[axis] is None):
                 shift = [0.0] * len(beyond)
                 shift[axis] = (along[axis][1] - along[axis][0]) * (1 - 2 * side)
                 condition = Periodic(tuple(shift))
-        else:
+        elif 0 <= beyond[axis] < len(stack):
             condition, missing = layer.beside, "beside=…, as another layer has ended there"
-            if not 0 <= beyond[axis] < len(stack):
-                condition = (lower, upper)[side]
+        else:
+            condition = (lower, upper)[side]
         if condition is None:
             raise InputError(f"layer '{layer.name}': a face has no condition: expected {missing}")
         faces[block.name, axis, side] = condition

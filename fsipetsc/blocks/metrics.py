@@ -32,9 +32,9 @@ class Wide:
     """A range of nodes of a block, and the wider one that their derivatives need.
 
     where: the range, beyond the ends on periodic axes only, or to images before a centre. wide: it
-    and, as far as there are nodes, as many more on each side as pairs reach. sizes: nodes of the
-    wide range along each axis. order: of the operators. S, weight: of the bands of the axes, cut to
-    it. P: (d, d), the periods. y: (d, N), the periodic part of X.
+    and, as far as there are nodes, as many more on each side as pairs reach, sizes: how many along
+    each axis. S, weight: of the bands of the axes, cut to it. P: (d, d), the periods. y: (d, N),
+    the periodic part of X.
     """
 
     def __init__(self, problem: BlockProblem, k: int, order: int, where: Range) -> None:
@@ -48,8 +48,7 @@ class Wide:
                 begin, end = max(begin, -images), min(end, n)
             self.wide.append((begin, end))
             bands.append(band.part(begin, end))
-        self.order = order
-        self.S, self.weight = tuple(band.S for band in bands), tuple(band.weight for band in bands)
+        self.order, (self.S, self.weight) = order, zip(*bands)
         self.sizes = tuple(end - begin for begin, end in self.wide)
         ranges = list(zip(self.where, self.wide))[::-1]
         self._inner = tuple(slice(a - first, b - first) for (a, b), (first, _) in ranges)
@@ -156,13 +155,16 @@ def cube_of(wide: Wide, faces: Sequence[Any] = ()) -> tuple[int, tuple[Array, ..
 
     The functions take it; places less those of linear maps (3, wide nodes); and what is filled:
     (9, N) a^1, a^2, a^3, or of these a^(i + 1) on each of ``faces``, (axis i, index along it), or
-    (N,) det D x.
+    (N,) det D x. Of layers it says how many behind each one its derivatives reach, and how many are
+    needed at a time if no later ones are found.
     """
     sizes, begins = np.array(wide.sizes), np.array([begin for begin, _ in wide.wide])
     first, end = np.array(wide.where).T - begins
-    ahead, slots = _layers(wide.S[2])
-    steps = np.cumprod((1, *wide.sizes[:-1]))
+    steps, layers = np.cumprod((1, *wide.sizes[:-1])), np.arange(sizes[2])
     pairs = [_pairs(*band) for band in zip(wide.S, wide.weight, steps, strict=True)]
+    ahead, behind = (pairs[2][way].max(axis=1) // steps[2] for way in ("after", "before"))
+    earliest = np.minimum.accumulate((layers - behind)[::-1])[::-1]
+    slots = (np.maximum.accumulate(layers + ahead) - earliest).max() + 1
     room = np.zeros((9, slots * steps[2])), np.zeros((9, wide.sizes[0]))
     arrays = wide.P, ahead, np.array(faces, np.int64), *room
     numbers = (
@@ -175,21 +177,6 @@ def cube_of(wide: Wide, faces: Sequence[Any] = ()) -> tuple[int, tuple[Array, ..
     )
     struct = np.concatenate(numbers).astype(np.int64)
     return struct.ctypes.data, (struct, *pairs, *arrays)
-
-
-def _layers(S: Array) -> tuple[Array, int]:
-    """How many layers behind each one its derivatives reach, and how many layers are needed at a
-    time if no later ones are found.
-    """
-    n = S.shape[1]
-    begins, apart = np.nonzero(S.T)
-    begins, apart = (i[begins + apart < n] for i in (begins, apart))
-    ahead, behind = np.zeros((2, n), np.int64)
-    np.maximum.at(ahead, begins, apart)
-    np.maximum.at(behind, begins + apart, apart)
-    last = np.maximum.accumulate(np.arange(n) + ahead)
-    first = np.minimum.accumulate((np.arange(n) - behind)[::-1])[::-1]
-    return ahead, int((last - first).max()) + 1
 
 
 def _pairs(S: Array, weight: Array, step: int) -> Array:
