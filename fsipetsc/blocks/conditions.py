@@ -15,7 +15,6 @@ from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, function, number
 from fsipetsc.equations.vectors import along, choose, dot, scale, sub
 from fsipetsc.errors import InputError
 
-#: f(*X, t) -> an array, or several
 Function = Callable[..., Any]
 #: a number or f(*X, t) -> an array
 Datum = float | Function | None
@@ -44,13 +43,13 @@ class Checked:
         name = type(self).__name__
         for field in fields(self):  # type: ignore[arg-type]
             key, value, what = field.name, getattr(self, field.name), f"{name}: {field.name}"
-            if value is None and field.default is None:
-                continue
             if key in self.functions:
-                function(value, what)
-            elif key in self.ranges and not callable(value):
+                function(value, what, optional=field.default is None)
+            elif callable(value) or (value is None and field.default is None):
+                continue
+            elif key in self.ranges:
                 object.__setattr__(self, key, number(value, what, self.ranges[key]))
-            elif key in VECTORS and not callable(value):
+            elif key in VECTORS:
                 object.__setattr__(self, key, _vector(value, what))
         if getattr(self, "T", None) is not None and getattr(self, "heat_flux", None) is not None:
             raise InputError(f"{name}: T and heat_flux are both given: expected one, or neither")
@@ -64,20 +63,20 @@ class Checked:
 def _vector(value: Any, what: str) -> Any:
     """Numbers and functions as a tuple of numbers, or as one function."""
     items = enumerate(value if isinstance(value, (tuple, list)) else (value,))
-    found = [v if callable(v) else number(v, f"{what}[{k}]") for k, v in items]
-    functions = [v for v in found if callable(v)]
-    if not functions:
-        return tuple(found)
-    return wraps(functions[0])(lambda *x: [v(*x) if callable(v) else v for v in found])
+    found = tuple(v if callable(v) else number(v, f"{what}[{k}]") for k, v in items)
+    first = next(filter(callable, found), None)
+    if first is None:
+        return found
+    return wraps(first)(lambda *x: [v(*x) if callable(v) else v for v in found])
 
 
 class Condition(Checked):
     """What stands at a face.
 
-    of: kinds of block that it is for. part: what it is to a particle (fsipetsc.particles.members),
-    "wall", "slip", "clamp", "roller". holds: it prescribes motion; all_given: all unknowns. passes:
-    "gas" or "waves" where these go through. loaded: the face has a traction of its own, from which
-    p_ref of the solid is taken.
+    of: kinds of block that it is for. part: if it prescribes motion, what it is to a particle
+    (fsipetsc.particles.members), "wall", "slip", "clamp", "roller"; all_given: it prescribes all
+    unknowns. passes: "gas" or "waves" where these go through. loaded: the face has a traction of
+    its own, from which p_ref of the solid is taken.
 
     Formulas, None where there is none: leaving(gas, w, face): mass, momentum and energy that leave
     a gas of the state w; traction(gas, w, face): the force on it; pull(solid, F, T, N, v, stress):
@@ -87,7 +86,7 @@ class Condition(Checked):
     of: tuple[str, ...] = ("fluid", "solid")
     functions = "x", "velocity", "values"
     part = passes = ""
-    holds = all_given = loaded = False
+    all_given = loaded = False
     leaving = traction = pull = None
     T = heat_flux = x = velocity = slip_length = None
 
@@ -120,11 +119,9 @@ class Condition(Checked):
     @property
     def effect(self) -> Effect | None:
         """What it adds to rates, None if nothing."""
-        acts, heated = self.acts, self.heat_flux is not None
-        if not (acts or heated):
-            return None
-        first_order = getattr(self, "order", 0) == 1
-        return Effect(type(self) if acts else Condition, heated, acts and self.moves, first_order)
+        by, heated = type(self) if self.acts else Condition, self.heat_flux is not None
+        found = Effect(by, heated, self.acts and self.moves, getattr(self, "order", 0) == 1)
+        return found if self.acts or heated else None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -155,8 +152,8 @@ class Moving(Condition):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        slides_along = self.part == "wall" and not self.acts
-        if self.velocity and not self.moves and self.part != "clamp" and not slides_along:
+        alone = self.part == "clamp" or (self.part == "wall" and not self.acts)
+        if self.velocity and not (self.moves or alone):
             wrong = "velocity is given, and x is not: expected both, or x alone"
             raise InputError(f"{type(self).__name__}: {wrong}")
 
@@ -172,7 +169,7 @@ class Given(Moving):
     """
 
     values: Function
-    holds = all_given = True
+    all_given = True
     passes = "gas"
 
 
@@ -214,7 +211,6 @@ class NoSlip(Warm, Moving):
     slip_length: Datum = None
     of = ("fluid",)
     part = "wall"
-    holds = True
 
     @property
     def acts(self) -> bool:
@@ -243,7 +239,6 @@ class Slip(Moving):
     name: str = ""
     of = ("fluid",)
     part = "slip"
-    holds = True
 
 
 @dataclass(frozen=True)
@@ -284,8 +279,6 @@ class Open(Condition):
     pressure of both, and rho - p/c^2, c^2 and velocities along the face those of the side that gas
     comes from. If no such gas can be, the flux of Lax and Friedrichs passes.
 
-    Data are numbers, or functions of the coordinates X of the face's nodes and of t [s].
-
     Args:
         rho: density of the gas beyond [kg/m3].
         u: its velocity [m/s]: d data, or `u(*X, t)`, which returns d arrays.
@@ -317,7 +310,6 @@ class Clamped(Warm, Moving):
 
     of = ("solid",)
     part = "clamp"
-    holds = True
 
 
 @dataclass(frozen=True)
@@ -372,7 +364,6 @@ class Roller(Warm):
 
     of = ("solid",)
     part = "roller"
-    holds = True
 
 
 @dataclass(frozen=True)

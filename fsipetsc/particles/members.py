@@ -152,7 +152,7 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
     held = [Face(*member, -1, 0, Clamped()) for member in hinges[:1]]
     for hinge in held:
         particle.faces.setdefault("clamp", hinge)
-    particle.held = held + [face for face in found if face.met.holds]
+    particle.held = held + [face for face in found if face.met.part or face.met.all_given]
     if particle.sticks and not particle.faces.keys() & {"clamp", "given_solid"}:
         _check_sliding(problem, members[0], particle.held)
     _constrain(particle, problem, at_solids, found)
