@@ -7,6 +7,7 @@ periodic. Axis 0 is the fastest in memory: node number n = i_0 + N_0 (i_1 + N_1 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -20,8 +21,8 @@ from fsipetsc.materials.solid import ElasticSolid
 
 #: index ranges, one (begin, end) for each axis
 Range = Sequence[tuple[int, int]]
-#: functions of a block
-_FUNCTIONS = "map", "initial", "forcing", "exact", "prestress", "exact_stress"
+#: functions that a block need not have
+_OPTIONAL = "forcing", "exact", "prestress", "exact_stress"
 
 
 @dataclass(frozen=True)
@@ -64,13 +65,12 @@ class Block:
 
     def __post_init__(self) -> None:
         check_name(self.name, "Block")
-        if not isinstance(self.material, (Fluid, ElasticSolid)):
+        if not isinstance(self.material, Fluid | ElasticSolid):
             found = f"material is {described(self.material)}"
             raise InputError(f"{self}: {found}: expected a Fluid or an ElasticSolid")
         self._check_axes()
-        for name in _FUNCTIONS:
-            optional = name not in ("map", "initial")
-            function(getattr(self, name), f"{self}: {name}", optional=optional)
+        for name in ("map", "initial", *_OPTIONAL):
+            function(getattr(self, name), f"{self}: {name}", optional=name in _OPTIONAL)
         if self.prestress is not None and self.kind == "fluid":
             raise InputError(f"{self}: prestress is given: expected none, as it is a gas")
         if not isinstance(self.map, Nodes):
@@ -98,9 +98,8 @@ class Block:
     @property
     def faces(self) -> list[tuple[int, int]]:
         """(axis, side) of its faces; there are none along a periodic axis."""
-        return [
-            (k, side) for k, closed in enumerate(self.periodic) for side in (0, 1) if not closed
-        ]
+        axes = (k for k, closed in enumerate(self.periodic) if not closed)
+        return [*product(axes, (0, 1))]
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -170,19 +169,18 @@ class Block:
 
     def _check_axes(self) -> None:
         """InputError for wrong cells or periodic; both become tuples."""
-        for name in ("cells", "periodic"):
-            given = getattr(self, name)
-            given = tuple(given) if isinstance(given, (tuple, list, np.ndarray)) else (given,)
-            object.__setattr__(self, name, given)
-        d = len(self.cells)
-        if not (1 <= d <= 3 and all(map(whole, self.cells))):
+        given = (np.atleast_1d(np.array(of, object)) for of in (self.cells, self.periodic))
+        cells, periodic = map(tuple, given)
+        d = len(cells)
+        if not (1 <= d <= 3 and all(map(whole, cells))):
             wanted = "expected 1, 2 or 3 whole numbers above 0"
             raise InputError(f"{self}: cells is {described(self.cells)}: {wanted}")
-        object.__setattr__(self, "cells", tuple(map(int, self.cells)))
-        object.__setattr__(self, "periodic", self.periodic or (False,) * d)
-        if len(self.periodic) != d or not all(isinstance(p, bool) for p in self.periodic):
+        periodic = periodic or (False,) * d
+        if len(periodic) != d or not all(isinstance(p, bool) for p in periodic):
             wanted = "expected True or False for each axis"
             raise InputError(f"{self}: periodic is {described(self.periodic)}: {wanted}")
+        object.__setattr__(self, "cells", tuple(map(int, cells)))
+        object.__setattr__(self, "periodic", periodic)
 
     def _check_smooth(self) -> None:
         """InputError where second differences along an axis do not fall as the square of the
@@ -205,9 +203,8 @@ class Block:
         """Volumes (…) of up to 32 pieces along each axis, below 0 where the map is left-handed,
         and their middles (d, …).
         """
-        d, most = self.dimension, 32
-        index = [np.unique(np.linspace(0, c, min(c, most) + 1).astype(int)) for c in self.cells]
-        X, axes = self.places(mesh(index)), range(d, 0, -1)
+        index = [np.unique(np.linspace(0, c, min(c, 32) + 1).astype(int)) for c in self.cells]
+        X, axes = self.places(mesh(index)), range(self.dimension, 0, -1)
         edges = [_means(np.diff(X, axis=axis), {*axes} - {axis}) for axis in axes]
         return determinant(np.array(edges)), _means(X, axes)
 

@@ -159,10 +159,8 @@ def transfinite(*faces: tuple[Callable[..., Any], Callable[..., Any]]) -> Map:
         given = on_face(axis, side, at).reshape(d, -1)
         apart = np.abs(given - np.reshape(places(tuple(at)), (d, -1))).max(axis=0)
         if not apart.max() <= 1e-9 * (np.abs(given).max() + 1e-300):
-            where = place_text(given[:, apart.argmax()])
-            raise InputError(
-                f"transfinite: face (axis {axis}, side {side}) misses others at {where}"
-            )
+            face, where = f"face (axis {axis}, side {side})", place_text(given[:, apart.argmax()])
+            raise InputError(f"transfinite: {face} misses others at {where}")
     return places
 
 
