@@ -9,7 +9,7 @@ Inside is the Boolean sum of the faces: axis after axis, what is missing at the 
 with the weights of the ends between them. On faces their values, to the bit.
 """
 
-from itertools import product
+from itertools import combinations, product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -53,41 +53,41 @@ class Hull(NamedTuple):
                 f[columns[0, t]] = exact(edges - vertices)
 
 
-def hull_of(block: Block, given: Array, centred: bool = False) -> Hull:
+def hull_of(block: Block, given: Array, centred: bool) -> Hull:
     """given: numbers (M,) of the nodes that are known, in any order. centred: the block goes to
     r = 0.
     """
-    d, last = block.dimension, [n - 1 for n in block.shape]
+    d, shape, last = block.dimension, block.shape, [n - 1 for n in block.shape]
     faces = [block.face_nodes(*face) for face in block.faces]
     nodes = np.unique(np.concatenate([np.zeros(0, int), *faces]))
-    index = np.array(np.unravel_index(nodes, block.shape[::-1]))[::-1]
-    known, columns, weights = np.isin(nodes, given), [np.zeros((9, 0), int)], [np.zeros((d, 4, 0))]
-    sides = [(None,) if closed else (0, 1, None) for closed in block.periodic]
-    for entity in sorted(product(*sides), key=lambda e: e.count(None)):  # vertices, edges, faces
-        free = [k for k in range(d) if entity[k] is None and not block.periodic[k]]
-        ends = [(k, side * last[k]) for k, side in enumerate(entity) if side is not None]
-        on = np.all([index[k] == end for k, end in ends], axis=0)
-        if not free or not ends or known[on].all():
-            continue
-        for k in free:
-            on &= (index[k] >= (0 if centred and k == d - 1 else 1)) & (index[k] < last[k])
-        at, a, b = index[:, on], free[0], free[-1]
-        found, vertices = [], [{a: i, b: j} for i, j in ((0, 0), (1, 1), (1, 0), (0, 1))]
-        for moved in ({}, {a: 0}, {a: 1}, {b: 0}, {b: 1}, *vertices):
-            place = [moved[k] * last[k] + 0 * i if k in moved else i for k, i in enumerate(at)]
-            number = np.ravel_multi_index(place[::-1], block.shape[::-1])
-            found.append(np.searchsorted(nodes, number))
-        of_ends = [end_weights(block, k, at[k], centred) for k in (a, b)]
-        if a == b:  # the ends of an edge count as its edges a
-            of_ends[1][:] = 0.0
-        columns.append(np.array(found))
-        weights.append(np.concatenate(of_ends).transpose(1, 0, 2))
+    index, known = np.array(np.unravel_index(nodes, shape, order="F")), np.isin(nodes, given)
+    columns, weights = [np.zeros((9, 0), int)], [np.zeros((d, 4, 0))]
+    ended = [k for k in range(d) if not block.periodic[k]]
+    for free in (*combinations(ended, 1), *combinations(ended, 2)):  # edges, then faces
+        fixed, (a, b) = [k for k in ended if k not in free], (free[0], free[-1])
+        for sides in product((0, 1), repeat=len(fixed)) if fixed else ():
+            on = np.all([index[k] == side * last[k] for k, side in zip(fixed, sides)], axis=0)
+            if known[on].all():
+                continue
+            for k in free:
+                on &= (index[k] >= (0 if centred and k == d - 1 else 1)) & (index[k] < last[k])
+            at, found = index[:, on], []
+            vertices = [{a: i, b: j} for i, j in ((0, 0), (1, 1), (1, 0), (0, 1))]
+            for moved in ({}, {a: 0}, {a: 1}, {b: 0}, {b: 1}, *vertices):
+                place = [moved[k] * last[k] + 0 * i if k in moved else i for k, i in enumerate(at)]
+                number = np.ravel_multi_index(place, shape, order="F")
+                found.append(np.searchsorted(nodes, number))
+            of_ends = [end_weights(block, k, at[k], centred) for k in (a, b)]
+            if a == b:  # the ends of an edge count as its edges a
+                of_ends[1][:] = 0.0
+            columns.append(np.array(found))
+            weights.append(np.concatenate(of_ends).transpose(1, 0, 2))
     table = (np.concatenate(pieces, axis=-1) for pieces in (columns, weights))
     at = np.searchsorted(nodes, np.asarray(given, int))
     return Hull(nodes, at, *table, *np.zeros((2, d, max(1, len(nodes)))))
 
 
-def end_weights(block: Block, axis: int, index: Array, centred: bool = False) -> Array:
+def end_weights(block: Block, axis: int, index: Array, centred: bool) -> Array:
     """1 - xi and xi of nodes (2, d, N), for each component of what is blended; the same bits seen
     from both ends; 0 on a periodic axis. Along one to r = 0 a block is half of one whose other end
     is an image of the first: 0 and 1, or 0 and xi of the component along r, which is odd.
@@ -175,35 +175,32 @@ def blend_of(
     """The blend of the nodes of a Wide, and the windows of all of them and of its own range. nodes:
     of the hull. order: of all axes. centred: the block goes to r = 0.
     """
-    d, index = block.dimension, []
-    for n, (begin, end), closed in zip(block.shape, wide.wide, block.periodic):
+    d, shape, index = block.dimension, block.shape, []
+    for n, (begin, end), closed in zip(shape, wide.wide, block.periodic):
         i = np.arange(begin, end)
-        index.append(i % n if closed else np.unique([0, *i[i >= 0], n - 1]))
+        index.append(i if closed else np.unique([0, *i[i >= 0], n - 1]))
     axes: list[BlendAxis | None] = [None] * 3
-    for k in (k for k in range(d) if not block.periodic[k]):
-        ends = ([*index[:k], np.array([end]), *index[k + 1 :]] for end in (0, block.cells[k]))
-        faces = [np.ravel_multi_index(mesh(at)[::-1], block.shape[::-1]).ravel() for at in ends]
-        columns = np.searchsorted(nodes, np.array(faces))
+    order = "".join(k for k in order if int(k) < d and not block.periodic[int(k)])
+    for k in map(int, order):
+        faces = [[*index[:k], np.array([end]), *index[k + 1 :]] for end in (0, shape[k] - 1)]
+        numbers = [np.ravel_multi_index(mesh(at), shape, "wrap", "F").ravel() for at in faces]
+        columns = np.searchsorted(nodes, np.array(numbers))
         weights = end_weights(block, k, index[k], centred)
         axes[k] = BlendAxis(columns, weights, np.zeros(columns.shape))
 
     def window(ranges: Any) -> Window:
-        first, sizes, images, ends = [0, 0, 0], [1, 1, 1], 0, [[-1] * 3, [-1] * 3]
-        for k, ((begin, end), closed) in enumerate(zip(ranges, block.periodic)):
-            images += 0 if closed else max(-begin, 0)
-            begin = begin if closed else max(begin, 0)
-            first[k] = begin - wide.wide[k][0] if closed else np.searchsorted(index[k], begin)
-            sizes[k], last = end - begin, block.cells[k]
-            if not closed:
-                ends[0][k] = 0 if begin == 0 and not (centred and k == d - 1) else -1
-                ends[1][k] = last - begin if begin <= last < end else -1
-        layer = int(np.prod(sizes[: d - 1]))
+        first, sizes, ends = [0, 0, 0], [1, 1, 1], [[-1, -1, -1], [-1, -1, -1]]
+        for k, (begin, end) in enumerate(ranges):
+            begin = begin if block.periodic[k] else max(begin, 0)
+            first[k], sizes[k] = int(np.searchsorted(index[k], begin)), end - begin
+            for side in () if block.periodic[k] else (centred and k == d - 1, 1):
+                face = side * (shape[k] - 1)
+                ends[side][k] = face - begin if begin <= face < end else -1
+        layer, images = int(np.prod(sizes[: d - 1])), centred * max(-ranges[-1][0], 0)
         rows = np.arange(images * layer).reshape(images, layer)
-        mirrored = images * layer + rows[::-1]
-        pairs = np.stack([rows.ravel(), mirrored.ravel()])
-        return Window(tuple(map(int, first)), tuple(sizes), tuple(map(tuple, ends)), pairs)
+        pairs = np.stack([rows.ravel(), (images * layer + rows[::-1]).ravel()])
+        return Window(tuple(first), tuple(sizes), tuple(map(tuple, ends)), pairs)
 
-    order = "".join(k for k in order if axes[int(k)] is not None)
     blend = Blend(tuple(axes), tuple([*map(len, index), 1, 1][:3]), order)
     return blend, window(wide.wide), window(wide.where)
 
