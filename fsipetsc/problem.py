@@ -230,6 +230,8 @@ def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
     the operators. InputError where h does not fit, or for what only the paper's method has.
     """
     blocks, least = [], OPERATORS[order].min_points - 1
+    if problem.jumps is not None:
+        raise InputError("jumps of layers are for -fsi_coupling projection, energy, traditional")
     for k, layer in enumerate(problem.layers):
         cells = layer.cells or layer.fitting(h)
         if layer.kind == "solid":
@@ -238,8 +240,7 @@ def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
             blocks.append(_gas(problem, k, layer.cells or max(cells, least)))
     ends = zip((0, 1), (problem.left, problem.right), (blocks[0], blocks[-1]), strict=True)
     faces = {(of.name, 0, side): end.condition(of.material) for side, end, of in ends}
-    jumps = problem.jumps and _jumps(problem, problem.jumps)
-    return BlockProblem(blocks, faces, jumps, notes=problem.notes, units=problem.units)
+    return BlockProblem(blocks, faces, notes=problem.notes, units=problem.units)
 
 
 def _gas(problem: Problem, k: int, cells: int) -> Block:
@@ -319,23 +320,3 @@ def _prestress(layer: Any) -> Function:
         return (initial(X)[1] - K * np.log(stretch),)
 
     return found
-
-
-def _jumps(problem: Problem, jumps: Function) -> Function:
-    """(traction, heat) that interfaces supply, by place. InputError for jumps of u and T."""
-    places = np.array([layer.X[1] for layer in problem.layers[:-1]])
-
-    @wraps(jumps)
-    def supplied(X: Array, t: float) -> Array:
-        found, nearest = np.zeros((2, *np.shape(X))), np.abs(X[..., None] - places).argmin(axis=-1)
-        for k in np.unique(nearest).tolist():
-            u, stress, T, flux = problem.jumps_at(k, t)
-            if u != 0.0 or T != 0.0:
-                wrong = f"jumps at interface {k} at t = {t:.6g}: g_u = {u:g}, g_T = {T:g}"
-                expected = "expected 0, or -fsi_coupling projection"
-                raise InputError(f"{wrong}: {expected}", collective=False)
-            into_solid = 1.0 if problem.layers[k].kind == "fluid" else -1.0
-            found[:, nearest == k] = -into_solid * np.array([[stress], [flux]])
-        return found
-
-    return supplied
