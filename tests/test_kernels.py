@@ -366,7 +366,7 @@ def test_branches_variables_and_reading_again():
         y[-2] = number(part.at[whole(often.value) - 4])
 
     y = np.array([2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0])
-    recorded(count, PART)(y)
+    recorded(count, PART, y)()
     assert y.tolist() == [54.0, 4.0, -4.0, -5.0, 6.0, 7.0, 4.0, 7 % 3]
 
 

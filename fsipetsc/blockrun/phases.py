@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from fsipetsc.blockrun.gas_part import GasPart
 from fsipetsc.blockrun.saved import slices
 from fsipetsc.blockrun.solid_part import SolidPart
-from fsipetsc.kernels.procedure import calling_code
+from fsipetsc.kernels.procedure import Code
 from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.parallel.exchange import Reduction, exchange_text
 from fsipetsc.particles.members import particles_of
@@ -99,7 +99,7 @@ class Phases:
         begins = {name: at.start for name, at in slices(columns).items()}
         about = self.particles, found, begins
         codes = together(comm, lambda: [part.record(*about) for part in parts])
-        self.calling = calling_code(exchange_text())
+        self.calling = Code(exchange_text())
         of_step = stages.begin_monitor, stages.note_extremes, stages.note_gained
         wanted: dict[str, Any] = {f.__name__: (f, found) for f in of_step}
         wanted["clear_gain"] = clear, found.gain.numbers

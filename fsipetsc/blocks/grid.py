@@ -41,7 +41,7 @@ from fsipetsc.blocks.metrics import Wide, cube_of, slopes_across, slopes_along
 from fsipetsc.checks import Array
 from fsipetsc.equations.tensors import cofactor, determinant
 from fsipetsc.equations.vectors import add, scale, sub
-from fsipetsc.kernels.arrays import column, column_of, node, zeros
+from fsipetsc.kernels.arrays import column, row, zeros
 from fsipetsc.kernels.loops import each, invoke, pick
 from fsipetsc.kernels.symbols import exact
 
@@ -153,7 +153,7 @@ class Plane(Grid):
         self.differentiate_faces(self.hull.moved)
         along, across, G = self.along, self.across, self.slopes
         n, like, of_row = along.ends.shape[1], self.like, across.ends
-        at_00, at_10, at_01, at_11 = (node(like, self.vertices, k) for k in range(4))
+        at_00, at_10, at_01, at_11 = (row(like, self.vertices, k) for k in range(4))
         for j in each(of_row.shape[1]):
             (low, high), at = (of_row[0, j], of_row[1, j]), across.first + j
             (W, E), (D_W, D_E) = pair(across.f, at), pair(across.slope, at)
@@ -200,7 +200,7 @@ def mixed(l, a, h, b):
 
 def pair(f, at):
     """Values at both ends, which opposite faces have of a node."""
-    return column((0.0, 0.0), f, at), column_of((0.0, 0.0), f, 2, at)
+    return column((0.0, 0.0), f, at), column((0.0, 0.0), f, at, 2)
 
 
 class Cube(Grid):

@@ -7,7 +7,8 @@ arrays, are an Index. Bools, None and the lengths of tuples are known when a pro
 recorded: ``if`` and ``range`` of them are plain Python, and decide what is printed. So it is with
 dataclasses, which hold facts: their numbers become constants of the text.
 
-    each(n), each(a, b)     a loop; vector=True: its passes do not depend on one another
+    each(n), each(a, b)     a loop, without break; vector=True: its passes do not depend on one
+                            another
     when(c), otherwise()    what is done if a condition holds, and else
     stop(c)                 ends the innermost loop
     variable(0.0)           a number that changes: its ``value`` is read and set
@@ -18,12 +19,14 @@ dataclasses, which hold facts: their numbers become constants of the text.
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import reduce
+from itertools import accumulate, zip_longest
 from typing import Any
 
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from fsipetsc.kernels.recording import Index, index_of, recording
+from fsipetsc.kernels.recording import Index, index_of, is_whole, recording
 from fsipetsc.kernels.symbols import refuse
 
 #: of arrays: what a number is in C
@@ -75,11 +78,11 @@ def pick(condition: Any, a: Any, b: Any) -> Index:
 
 
 def either(condition: Any, a: "Array", b: "Array") -> "Array":
-    """The array a if the condition holds, else b; as a flat array."""
+    """The array a if the condition holds, else b; as a flat array, whose size is not known."""
     name = recording().new("p")
     text = f"double *const {name} = {{0}} ? {a.pointer()} : {b.pointer()};"
     recording().line(text, (condition,))
-    return Array(name, a.dtype, (pick(condition, a.size, b.size),))
+    return Array(name, a.dtype, (None,))
 
 
 def named(index: Any) -> Index:
@@ -109,102 +112,90 @@ class variable:
 
     @property
     def value(self) -> Any:
-        key = "variable", self._name, self._record.stores
-        return self._record.symbol(key, self._name)
+        return self._record.number_at(self._name)
 
     @value.setter
     def value(self, number: Any) -> None:
-        self._record.line(f"{self._name} = {{0}};", (number,))
-        self._record.stores += 1
+        self._record.store(self._name, number)
 
 
 class Array(NDArrayOperatorsMixin):
-    """The stand-in of an array, or of a part of one: numbers that lie behind one another."""
+    """The stand-in of an array, or of a part of one. shape: (None,) of one whose size is not known.
+    at: terms of the number at which it begins. steps: how far its numbers are apart along each
+    axis, if not as in a whole array.
+    """
 
-    def __init__(self, base: str, dtype: Any, shape: Sequence[Any], offset: Any = 0) -> None:
-        self._base, self.dtype, self._offset = base, dtype, offset
-        self.shape = tuple(shape)
+    def __init__(
+        self, base: str, dtype: Any, shape: Sequence[Any], at: Sequence[Any] = (), steps: Any = ()
+    ) -> None:
+        self._base, self.dtype, self.shape, self._at = base, dtype, tuple(shape), tuple(at)
+        behind = accumulate(self.shape[:0:-1], lambda step, length: length * step, initial=1)
+        self._steps = tuple(steps or tuple(behind)[::-1])
 
     @property
     def size(self) -> Any:
         """How many numbers the array has."""
-        total: Any = 1
-        for length in self.shape:
-            total = length * total
-        return total
+        return reduce(lambda size, length: length * size, self.shape, 1)
 
-    def __len__(self) -> int:
-        if isinstance(self.shape[0], int):
-            return self.shape[0]
-        raise refuse("the length of an array is not known yet: write its shape[0]")
+    @property
+    def T(self) -> "Array":
+        """The transpose."""
+        return Array(self._base, self.dtype, self.shape[::-1], self._at, self._steps[::-1])
 
     def reshape(self, *shape: Any) -> "Array":
-        """The same numbers in rows of other lengths; -1: as many as there are."""
-        shape = tuple(shape[0]) if len(shape) == 1 and isinstance(shape[0], tuple) else shape
-        if -1 in [s for s in shape if isinstance(s, int)]:
-            if len(shape) > 1:
-                raise refuse("reshape knows -1 alone")
-            shape = (self.size,)
-        return Array(self._base, self.dtype, shape, self._offset)
+        """The same numbers, which lie behind one another, in rows of other lengths; -1 alone: as
+        many as there are.
+        """
+        shape = (self.size,) if is_whole(shape[0], -1) else shape
+        if str(self._steps) != str(Array(self._base, self.dtype, self.shape)._steps):
+            raise refuse("the numbers of this part of an array do not lie behind one another")
+        return Array(self._base, self.dtype, shape, self._at)
+
+    def _first(self) -> str:
+        """The number at which it begins: the same text for the same terms."""
+        terms = sorted(str(index_of(term)) for term in self._at if not is_whole(term, 0))
+        return " + ".join(terms) or "0"
 
     def pointer(self) -> Index:
         """Where C has the first number."""
-        return Index(f"{self._base} + {index_of(self._offset)}")
+        return Index(f"{self._base} + {self._first()}")
 
-    def turned(self) -> "Array":
-        """The transpose of an array of two axes."""
-        return _Turned(self)
-
-    def _place(self, at: Any) -> tuple[Any, tuple[Any, ...]]:
-        """Offset and shape of the number, or the part, at an index or at several."""
-        at = at if isinstance(at, tuple) else (at,)
-        offset, shape = self._offset, list(self.shape)
-        if len(at) > len(shape):
-            raise refuse(f"{len(at)} numbers for an array of {len(shape)} axes")
-        steps: list[Any] = [1]
-        for length in reversed(shape[1:]):
-            steps.insert(0, length * steps[0])
-        for k, one in enumerate(at):
-            if isinstance(one, slice):
-                if k != len(at) - 1 or one.step is not None:
-                    raise refuse("a part of an array is a range of its last index that is given")
-                first = self._from_end(k, 0 if one.start is None else one.start)
-                last = self._from_end(k, self.shape[k] if one.stop is None else one.stop)
-                return first * steps[k] + offset, (last - first, *self.shape[k + 1 :])
-            offset = self._from_end(k, one) * steps[k] + offset
-        return offset, self.shape[len(at) :]
-
-    def _from_end(self, k: int, at: Any) -> Any:
-        """An index of axis k; one below 0 counts from the end."""
-        return self.shape[k] + at if isinstance(at, (int, np.integer)) and at < 0 else at
+    def _part(self, at: Any) -> "Array":
+        """The part, of no axes if it is a number, at an index or at several."""
+        begin, shape, steps = [*self._at], list[Any](), list[Any]()
+        indices = at if isinstance(at, tuple) else (at,)
+        every = zip_longest(indices, self.shape, self._steps, fillvalue=slice(None))
+        for index, length, step in every:
+            ends = (index.start, index.stop) if isinstance(index, slice) else (index, None)
+            first, last = (length + n if _below_0(n) else n for n in ends)
+            begin.append(0 if first is None else first * step)
+            if isinstance(index, slice):
+                last = length if last is None else last
+                shape.append(last if first is None else last - first)
+                steps.append(step)
+        return Array(self._base, self.dtype, shape, begin, steps)
 
     def __getitem__(self, at: Any) -> Any:
-        offset, shape = self._place(at)
-        if shape:
-            return Array(self._base, self.dtype, shape, offset)
-        if self.dtype.names:
-            return _Fields(self._base, self.dtype, offset)
-        record, place = recording(), f"{self._base}[{index_of(offset)}]"
-        key = "read", place, record.stores
+        part = self._part(at)
+        if part.shape:
+            return part
+        place = f"{self._base}[{part._first()}]"
         if KINDS[self.dtype.kind] == "double":
-            return record.symbol(key, place)
-        if record.known(key) is None:
-            record.scopes[-1][key] = record.whole(place)
-        return record.known(key)
+            return recording().number_at(place)
+        return recording().whole_at(place)
 
     def __setitem__(self, at: Any, value: Any) -> None:
-        offset, shape = self._place(at)
-        if shape:
-            part = Array(self._base, self.dtype, shape, offset)
-            for i in each(part.size, vector=True):
-                part.reshape(-1)[i] = value
-            return
-        place, kind = f"{self._base}[{index_of(offset)}]", KINDS[self.dtype.kind]
-        if kind == "long":
-            recording().line(f"{place} = {index_of(value)};")
+        """Store a number, a tuple of the numbers of an axis, or the same one everywhere."""
+        part = self._part(at)
+        if isinstance(value, tuple):
+            for c, one in enumerate(value):
+                part[c] = one
+        elif part.shape:
+            for i in each(part.shape[0], vector=len(part.shape) == 1):
+                part[i] = value
         else:
-            recording().line(f"{place} = {{0}};", (value,))
-        recording().stores += 1
+            value = index_of(value) if KINDS[self.dtype.kind] == "long" else value
+            recording().store(f"{self._base}[{part._first()}]", value)
 
     def __array_ufunc__(self, function: Any, method: str, *given: Any, **more: Any) -> Any:
         raise refuse("an operation on a whole array: write a loop, `for i in each(n):`")
@@ -212,42 +203,8 @@ class Array(NDArrayOperatorsMixin):
     __hash__ = None  # type: ignore[assignment]
 
 
-class _Turned(Array):
-    """The transpose of an array."""
-
-    def __init__(self, of: Array) -> None:
-        super().__init__(of._base, of.dtype, of.shape[::-1], of._offset)
-        self._of = of
-
-    def _place(self, at: Any) -> tuple[Any, tuple[Any, ...]]:
-        if not isinstance(at, tuple) or len(at) != 2:
-            raise refuse("a transpose takes two numbers")
-        return self._of._place(at[::-1])
-
-    def reshape(self, *shape: Any) -> Array:
-        raise refuse("a transpose has no other shape")
-
-
-class _Fields:
-    """One row of an array of records: its fields by their names; those of several numbers are
-    arrays.
-    """
-
-    def __init__(self, base: str, dtype: Any, row: Any) -> None:
-        vars(self).update(_base=base, _dtype=dtype, _row=index_of(row))
-
-    def _array(self, name: str) -> Array:
-        kind, first = self._dtype.fields[name][:2]
-        number, shape = kind.subdtype or (kind, (1,))
-        start = f"{self._base} + {self._dtype.itemsize} * {self._row} + {first}"
-        return Array(f"(({KINDS[number.kind]} *)({start}))", number, shape)
-
-    def __getattr__(self, name: str) -> Any:
-        found = self._array(name)
-        return found if self._dtype.fields[name][0].subdtype else found[0]
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        self._array(name)[0] = value
+def _below_0(index: Any) -> bool:
+    return isinstance(index, (int, np.integer)) and index < 0
 
 
 def invoke(name: str, address: Any, *arrays: Array) -> None:

@@ -283,6 +283,20 @@ static inline long most(long a, long b) { return a > b ? a : b; }
 static inline long least(long a, long b) { return a < b ? a : b; }
 static inline long quotient(long a, long b) { return a / b - (a % b != 0 && (a < 0) != (b < 0)); }
 static inline long remainder_of(long a, long b) { return a - b * quotient(a, b); }
+/* Calls of procedures, one after the other. */
+struct call {
+  void (*procedure)(const void *, double *, double *);
+  const void *of;
+  double *y, *f;
+};
+void run_calls(long count, const struct call *calls) {
+  for (const struct call *c = calls; c < calls + count; ++c) c->procedure(c->of, c->y, c->f);
+}
+/* The calls of one step, once, and again while nothing is bad and more steps are allowed. */
+void run_batch(long count, const struct call *calls, const double *bad, const double *allowed) {
+  do run_calls(count, calls);
+  while (*bad == 0.0 && *allowed != 0.0);
+}
 /* A kernel's loop over items i. With vectors of eight numbers, those left over are one more vector
    whose other lanes are neither read nor stored: gcc would take them one by one. */
 #ifdef __AVX512F__

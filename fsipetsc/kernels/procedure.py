@@ -18,93 +18,107 @@ values: arrays and numbers of the records are pointers and numbers in a struct t
 import ctypes
 import inspect
 import re
+import struct
 from collections.abc import Callable, Sequence
-from dataclasses import is_dataclass
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from fsipetsc.kernels.kernel import c_source, unit
+from fsipetsc.kernels.kernel import unit
 from fsipetsc.kernels.loops import KINDS, Array
 from fsipetsc.kernels.recording import Index, Recording, printed, recorded
-from fsipetsc.kernels.symbols import Symbol
 
-_POINTER, _NUMBER = ctypes.c_void_p, ctypes.c_long
+_POINTER = ctypes.c_void_p
 
 
-class Procedure:
+class Called:
+    """What C calls as a procedure, by its name. structure: the address of its struct in C. vectors:
+    names of the world vectors, flat arrays of doubles, at most two, that it takes.
+    """
+
+    name: str
+    structure: int
+    vectors: Sequence[str] = ()
+
+    def load(self, library: ctypes.CDLL) -> None:
+        """Take the compiled function."""
+        self._function = getattr(library, self.name)
+        self._function.argtypes = _POINTER, _POINTER, _POINTER
+        self.address = ctypes.cast(self._function, _POINTER).value
+
+    def __call__(self, *vectors: np.ndarray) -> None:
+        """Run the function in C."""
+        self._function(self.structure, *_pointers(vectors))
+
+
+def _pointers(vectors: Sequence[np.ndarray]) -> tuple[int, int]:
+    y, f = (*(vector.ctypes.data for vector in vectors), 0, 0)[:2]
+    return y, f
+
+
+class Procedure(Called):
     """A recorded procedure, which can be called once its code is loaded. text: the C function."""
 
     def __init__(self, name: str, function: Callable[..., None], *records: Any) -> None:
-        self.name, self._values, self._kinds = name, dict[str, Any](), dict[str, str]()
+        self.name, self._values = name, dict[str, Any]()
         parameters = list(inspect.signature(function).parameters)
-        names, vectors = parameters[: len(records)], parameters[len(records) :]
+        names, self.vectors = parameters[: len(records)], parameters[len(records) :]
         with recorded() as record:
             pairs = zip(names, records, strict=True)
             given = [self._stand_in(name, value, record) for name, value in pairs]
-            worlds = [Array(v, np.dtype(float), (Index(f"{v}_size"),)) for v in vectors]
-            function(*given, *worlds)
-        if len(record.scopes) > 1:
-            raise ValueError(f"{name}: break or return within a loop of each(n): write stop(c)")
-        self.vectors, self.text = vectors, self._text(function, vectors, record)
-        self._structure: Any = None
-        self._function: Any = None
+            function(*given, *(Array(v, np.dtype(float), (None,)) for v in self.vectors))
+        self.text = self._text(function.__doc__ or "", record)
 
     def _stand_in(self, name: str, value: Any, record: Recording) -> Any:
-        """What stands for a record, or a part of one, while the procedure is recorded."""
-        known = value is None or isinstance(value, (bool, str, Symbol)) or callable(value)
-        if known or is_dataclass(value):  # facts
-            return value
-        if isinstance(value, np.ndarray):
-            if not value.flags.c_contiguous:
-                raise ValueError(f"{name} is not contiguous")
-            of = value.dtype
-            kind = "char" if of.names else KINDS.get(of.kind)
-            if kind is None or (kind != "char" and of.itemsize != 8):
-                raise TypeError(f"{name} is of {of}: arrays are of float64 and int64")
-            base = self._field(name, f"{kind} *", value)
-            sizes = (self._field(f"{name}_n{k}", "long ", n) for k, n in enumerate(value.shape))
-            return Array(base, of, [*map(Index, sizes)])
+        """What stands for a record, or a part of one, while the procedure is recorded: arrays and
+        numbers get names in C; what is no such thing is a fact.
+        """
+        if isinstance(value, np.ndarray) and not value.dtype.names:
+            known = value.dtype.kind in KINDS and value.itemsize == 8
+            if not (known and value.flags.c_contiguous):
+                raise TypeError(f"{name} is of {value.dtype}: expected contiguous float64 or int64")
+            base = self._field(name, value)
+            sizes = (self._field(f"{name}_n{k}", n) for k, n in enumerate(value.shape))
+            return Array(base, value.dtype, [*map(Index, sizes)])
         if isinstance(value, (float, np.floating)):
-            return record.given(self._field(name, "double ", float(value)), uniform=True)
-        if isinstance(value, (int, np.integer)):
-            return Index(self._field(name, "long ", int(value)))
+            return record.given(self._field(name, float(value)), uniform=True)
+        if isinstance(value, (int, np.integer)) and not isinstance(value, bool):
+            return Index(self._field(name, int(value)))
         if isinstance(value, tuple):
             names = getattr(value, "_fields", range(len(value)))
             pairs = zip(names, value, strict=True)
-            made = [self._stand_in(f"{name}_{n}", one, record) for n, one in pairs]
-            return type(value)(*made) if hasattr(value, "_fields") else tuple(made)
+            parts = [self._stand_in(f"{name}_{n}", one, record) for n, one in pairs]
+            return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
         if isinstance(value, SimpleNamespace):
             made = type(value).__new__(type(value))
             for n, one in vars(value).items():
                 setattr(made, n, self._stand_in(f"{name}_{n}", one, record))
             return made
-        raise TypeError(f"{name} is {type(value).__name__}: a record has arrays and numbers")
+        return value
 
-    def _field(self, name: str, kind: str, value: Any) -> str:
+    def _field(self, name: str, value: Any) -> str:
         while name in self._values:
             name += "_"
-        self._values[name], self._kinds[name] = value, kind
+        self._values[name] = value
         return name
 
-    def _text(self, function: Any, vectors: list[str], record: Recording) -> str:
+    def _text(self, says: str, record: Recording) -> str:
         named = (s for s in record.symbols if s.operation == "given" and s.uniform)
         lines = printed(record, record.items, record.wanted, named)
         found = set(re.findall(r"\w+", "\n".join(lines)))
-        self._used = [name for name in self._values if name in found]
-        names = [*vectors, "unused", "unused_too"][:2]
-        given = "".join(f", double *{v}, long {v}_size" for v in names)
-        says = (function.__doc__ or "").strip().splitlines() or [""]
+        self._used = {name: value for name, value in self._values.items() if name in found}
+        kinds = {name: _kind(value) for name, value in self._used.items()}
+        y, f = (*self.vectors, "unused", "unused_too")[:2]
         return "\n".join(
             [
-                f"/* {says[0]} */",
+                f"/* {says.strip().partition(chr(10))[0]} */",
                 f"struct {self.name}_in {{",
-                *(f"  {self._kinds[name]}{name};" for name in self._used),
-                *["  long nothing;"] * (not self._used),
+                *(f"  {kind}{name};" for name, kind in kinds.items()),
+                *["  long nothing;"] * (not kinds),
                 "};",
-                f"void {self.name}(const struct {self.name}_in *s{given}) {{",
-                *(f"  {self._kinds[name]}const {name} = s->{name};" for name in self._used),
+                f"void {self.name}(const struct {self.name}_in *s, double *{y}, double *{f}) {{",
+                *(f"  {kind}const {name} = s->{name};" for name, kind in kinds.items()),
                 *lines,
                 "}\n",
             ]
@@ -112,20 +126,19 @@ class Procedure:
 
     def load(self, library: ctypes.CDLL) -> None:
         """Take the compiled function, and fill the struct with what the records have."""
-        kinds = {"double ": ctypes.c_double, "long ": _NUMBER}
-        fields = [(name, kinds.get(self._kinds[name], _POINTER)) for name in self._used]
-        made = type("Structure", (ctypes.Structure,), {"_fields_": fields})
-        values = [self._values[name] for name in self._used]
-        self._structure = made(*(v.ctypes.data if isinstance(v, np.ndarray) else v for v in values))
-        self._function = getattr(library, self.name)
-        self._function.argtypes = _POINTER, _POINTER, _NUMBER, _POINTER, _NUMBER
-        self.address = ctypes.cast(self._function, _POINTER).value
-        self.structure = ctypes.addressof(self._structure)
+        super().load(library)
+        values = self._used.values()
+        numbers = (v.ctypes.data if isinstance(v, np.ndarray) else v for v in values)
+        kinds = "".join("d" if isinstance(v, float) else "q" for v in values)
+        self._memory = ctypes.create_string_buffer(struct.pack(kinds, *numbers))
+        self.structure = ctypes.addressof(self._memory)
 
-    def __call__(self, *vectors: np.ndarray) -> None:
-        """Run the function in C; vectors: at most two flat arrays of doubles."""
-        given = [number for vector in vectors for number in (vector.ctypes.data, vector.size)]
-        self._function(self.structure, *given, *(None, 0) * (2 - len(vectors)))
+
+def _kind(value: Any) -> str:
+    """What a value is in C."""
+    if isinstance(value, np.ndarray):
+        return f"{KINDS[value.dtype.kind]} *"
+    return "double " if isinstance(value, float) else "long "
 
 
 class Code:
@@ -133,7 +146,6 @@ class Code:
 
     def __init__(self, text: str = "") -> None:
         self._text, self.procedures = text or unit(), list[Procedure]()
-        self.library: ctypes.CDLL | None = None
 
     def procedure(self, name: str, function: Callable[..., None], *records: Any) -> Procedure:
         """Record a function of these records."""
@@ -151,40 +163,21 @@ class Code:
             procedure.load(library)
 
 
-# lists of calls that C makes one after the other
-
-
-def calling_code(*texts: str) -> Code:
-    """Code with the functions of calls.c, whose library `Calls` needs; procedures can be added."""
-    return Code(unit(c_source("fsipetsc.kernels", "calls.c"), *texts))
-
-
-class _Call(ctypes.Structure):
-    _fields_ = [
-        *((name, _POINTER) for name in ("procedure", "of", "y")),
-        *(("y_size", _NUMBER), ("f", _POINTER), ("f_size", _NUMBER)),
-    ]
-
-
 class Calls:
-    """Calls of procedures that are loaded, each with up to two world vectors; library: that of
-    ``calling_code``.
+    """Calls of procedures that are loaded, each with up to two world vectors, one after the other
+    in C; library: of any code.
     """
 
-    def __init__(self, library: Any, calls: Sequence[tuple[Procedure, Any]]) -> None:
-        self._library, self._calls, self._count = library, (_Call * len(calls))(), len(calls)
-        self._kept = calls
-        for one, (procedure, vectors) in zip(self._calls, calls, strict=True):
-            one.procedure, one.of = procedure.address, procedure.structure
-            for name, vector in zip(("y", "f"), vectors):
-                setattr(one, name, vector.ctypes.data)
-                setattr(one, f"{name}_size", vector.size)
+    def __init__(self, library: Any, calls: Sequence[tuple[Called, Any]]) -> None:
+        self._library, self._kept = library, calls
+        rows = [(one.address, one.structure, *_pointers(vectors)) for one, vectors in calls]
+        self._calls = np.array(rows, np.int64).reshape(-1, 4)
 
     def __call__(self) -> None:
         """Make all calls."""
-        self._library.run_calls(self._calls, _NUMBER(self._count))
+        self._library.run_calls(ctypes.c_long(len(self._calls)), _POINTER(self._calls.ctypes.data))
 
     def batch(self, bad: np.ndarray, allowed: np.ndarray) -> None:
         """Make all calls, once, and again while the number ``bad`` is 0 and ``allowed`` is not."""
-        numbers = (_POINTER(number.ctypes.data) for number in (bad, allowed))
-        self._library.run_batch(self._calls, _NUMBER(self._count), *numbers)
+        numbers = (_POINTER(array.ctypes.data) for array in (self._calls, bad, allowed))
+        self._library.run_batch(ctypes.c_long(len(self._calls)), *numbers)

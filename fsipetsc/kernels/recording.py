@@ -13,7 +13,7 @@ from fsipetsc.kernels.symbols import CONDITIONS, Record, Symbol, refuse, uses_of
 
 def _operator(form: str, neutral: int | None = None) -> Any:
     """An operator; with its neutral number an Index is itself."""
-    return lambda self, other: self if _is(other, neutral) else _made(form, self, other)
+    return lambda self, other: self if is_whole(other, neutral) else _made(form, self, other)
 
 
 def _compared(sign: str) -> Any:
@@ -34,7 +34,7 @@ class Index:
     def __init__(self, text: str) -> None:
         self.text = text
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         return self.text
 
     __add__, __radd__ = _operator("({} + {})", 0), _operator("({1} + {0})", 0)
@@ -42,9 +42,9 @@ class Index:
     __floordiv__, __mod__ = _operator("quotient({}, {})", 1), _operator("remainder_of({}, {})")
 
     def __mul__(self, other: Any) -> Any:
-        if _is(other, 0):
+        if is_whole(other, 0):
             return 0
-        return self if _is(other, 1) else _made("({} * {})", self, other)
+        return self if is_whole(other, 1) else _made("({} * {})", self, other)
 
     __rmul__ = __mul__
 
@@ -72,7 +72,8 @@ class Index:
         return hash(self.text)
 
 
-def _is(value: Any, number: int | None) -> bool:
+def is_whole(value: Any, number: int | None) -> bool:
+    """Whether a value is this whole number, which is known when it is recorded."""
     return isinstance(value, (int, np.integer)) and int(value) == number
 
 
@@ -104,26 +105,19 @@ class Line(NamedTuple):
 class Recording(Record):
     """The symbols and lines of a procedure; a symbol is known between the braces where it was made.
 
-    items: Symbols and Lines in their order, wanted: the symbols that lines take.
+    items: Symbols and Lines in their order, wanted: the symbols that lines take. stores: how many
+    there were, as what is read after one may be another number.
     """
 
     def __init__(self) -> None:
         super().__init__()
-        self.items, self.wanted = list[Any](), list[Symbol]()
-        self.scopes = [dict[Any, Any]()]
+        self.items, self.wanted, self._within = list[Any](), list[Symbol](), [list[Any]()]
         self.stores, self.count = 0, 0
 
-    def known(self, key: Any) -> Any:
-        """What has been recorded under a key, here or around these braces; None if nothing."""
-        return next((scope[key] for scope in self.scopes if key in scope), None)
-
-    def _one(self, key: Any, operation: str, operands: tuple[Symbol, ...] = ()) -> Symbol:
-        symbol: Symbol | None = self.known(key)
-        if symbol is None:
-            self.scopes[-1][key] = symbol = Symbol(self, operation, operands)
-            self.symbols.append(symbol)
-            self.items.append(symbol)
-        return symbol
+    def _keep(self, key: Any, made: Symbol) -> None:
+        super()._keep(key, made)
+        self.items.append(made)
+        self._within[-1].append(key)
 
     def symbol(self, key: Any, text: str, operation: str = "given") -> Symbol:
         """A symbol that C computes as ``text``; the operation "holds" makes it a condition."""
@@ -131,11 +125,29 @@ class Recording(Record):
         symbol.text, symbol.uniform = text, False
         return symbol
 
+    def number_at(self, place: str) -> Symbol:
+        """The number that C has at a place, which is read once between stores."""
+        return self.symbol(("read", place, self.stores), place)
+
+    def whole_at(self, place: str) -> Any:
+        """The whole number that C has at a place, which is read once between stores."""
+        key = "read", place, self.stores
+        if key not in self._known:
+            self._known[key] = self.whole(place)
+            self._within[-1].append(key)
+        return self._known[key]
+
     def line(self, form: str, values: Iterable[Any] = (), inside: int = 0) -> None:
-        """Record a line, as a store."""
+        """Record a line."""
         symbols = tuple(map(self.constant, values))
         self.wanted += symbols
         self.items.append(Line(form, symbols, inside))
+
+    def store(self, place: str, value: Any) -> None:
+        """Let C store a number, or a whole one, at a place."""
+        text, values = (f"{value}", ()) if isinstance(value, Index) else ("{0}", (value,))
+        self.line(f"{place} = {text};", values)
+        self.stores += 1
 
     def new(self, letter: str) -> str:
         """A name that nothing else has."""
@@ -150,12 +162,13 @@ class Recording(Record):
 
     def open(self, head: str) -> None:
         self.line(f"{head} {{{{", inside=1)
-        self.scopes.append({})
+        self._within.append([])
 
     def close(self) -> None:
         self.line("}}", inside=-1)
         self.stores += 1  # what was stored within may be read after it
-        self.scopes.pop()
+        for key in self._within.pop():
+            del self._known[key]
 
 
 _recordings: list[Recording] = []

@@ -182,9 +182,12 @@ class Record:
     def _one(self, key: Any, operation: str, operands: tuple[Symbol, ...] = ()) -> Symbol:
         """The only symbol of this key."""
         if key not in self._known:
-            self._known[key] = Symbol(self, operation, operands)
-            self.symbols.append(self._known[key])
+            self._keep(key, Symbol(self, operation, operands))
         return self._known[key]
+
+    def _keep(self, key: Any, made: Symbol) -> None:
+        self._known[key] = made
+        self.symbols.append(made)
 
 
 def exact(x: Any) -> Any:

@@ -23,7 +23,7 @@ from petsc4py import PETSc
 from fsipetsc.checks import names_of
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import Array, zeros
-from fsipetsc.kernels.procedure import Procedure, calling_code
+from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import ends, rates
 from fsipetsc.paper.coupling import couple, interface_of, note
@@ -100,7 +100,7 @@ class PaperState(State):
         """Record all procedures, the same ones on all ranks, and make machine code of them; does:
         name -> those that this rank calls.
         """
-        code, self._does = calling_code(exchange_text()), defaultdict[str, list[Procedure]](list)
+        code, self._does = Code(exchange_text()), defaultdict[str, list[Procedure]](list)
 
         def add(name: str, number: int, f: Any, *of: Any, here: bool = True) -> None:
             self._does[name] += [code.procedure(f"{name}_{number}", f, *of)][: int(here)]

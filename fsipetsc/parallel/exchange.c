@@ -32,8 +32,8 @@ static void check(int code) {
   abort();
 }
 
-void exchange(const struct exchange *e, double *y, long y_size, double *f, long f_size) {
-  (void)y_size, (void)f, (void)f_size;
+void exchange(const struct exchange *e, double *y, double *f) {
+  (void)f;
   const double *source = e->source ? e->source : y;
   copy_runs(&e->sent, source, e->sent.buffer);
   if (e->messages) check(e->start_all((int)e->messages, e->requests));
@@ -50,8 +50,8 @@ struct reduction {
   long count;
 };
 
-void reduce(const struct reduction *r, double *y, long y_size, double *f, long f_size) {
-  (void)y, (void)y_size, (void)f, (void)f_size;
+void reduce(const struct reduction *r, double *y, double *f) {
+  (void)y, (void)f;
   memcpy(r->room, r->numbers, r->count * sizeof(double));
   check(r->all_reduce(r->room, r->numbers, (int)r->count, r->type, r->operation, r->comm));
 }

@@ -19,19 +19,19 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from fsipetsc.kernels.kernel import c_source
+from fsipetsc.kernels.kernel import c_source, unit
+from fsipetsc.kernels.procedure import Called
 from fsipetsc.parallel.block_shares import Share
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 Spans = Sequence[tuple[int, int]]
-_POINTER, _NUMBER = ctypes.c_void_p, ctypes.c_long
 _NO = np.zeros(0, np.int64)
 
 
 def exchange_text() -> str:
-    """The C code of exchanges and reductions."""
-    return c_source("fsipetsc.parallel", "exchange.c")
+    """The C code of exchanges and reductions, with which a translation unit begins."""
+    return unit(c_source("fsipetsc.parallel", "exchange.c"))
 
 
 class Route(NamedTuple):
@@ -45,25 +45,9 @@ class Route(NamedTuple):
     own: tuple[Numbers, Numbers] = (_NO, _NO)
 
 
-class _Procedure:
-    """What C calls as a procedure. structure: the address of its struct in C."""
-
-    name: str
-    structure: int
-    vectors: Sequence[str] = ()
-
-    def load(self, library: ctypes.CDLL) -> None:
-        """Take the function from a library with ``exchange_text``."""
-        self._function = getattr(library, self.name)
-        self.address = ctypes.cast(self._function, _POINTER).value
-
-    def __call__(self) -> None:
-        """Call it without a world vector."""
-        self._function(_POINTER(self.structure), None, _NUMBER(0), None, _NUMBER(0))
-
-
-class Exchange(_Procedure):
-    """One exchange, of the numbers of all routes. Making one is on all ranks that take part.
+class Exchange(Called):
+    """One exchange, of the numbers of all routes. Making one is on all ranks that take part. It is
+    loaded from a library with ``exchange_text``.
 
     source: None, if it is the world vector. tag: another one for each exchange. empty: this rank
     has nothing to do.
@@ -136,14 +120,14 @@ class RowExchange(Exchange):
         super().__init__(comm, tag, [Route(sent, received)], numbers, numbers)
 
 
-class Reduction(_Procedure):
+class Reduction(Called):
     """Replaces an array by the largest numbers of all ranks, one by one."""
 
     name = "reduce"
 
     def __init__(self, comm: MPI.Comm, numbers: Array) -> None:
         room = np.empty_like(numbers)
-        handles = (_NUMBER(MPI._handleof(one)).value for one in (MPI.DOUBLE, MPI.MAX, comm))
+        handles = (ctypes.c_long(MPI._handleof(one)).value for one in (MPI.DOUBLE, MPI.MAX, comm))
         of_numbers = numbers.ctypes.data, room.ctypes.data, numbers.size
         self._kept = np.array([_of_mpi("MPI_Allreduce"), *handles, *of_numbers], np.int64), room
         self.structure, self._numbers, self._comm = self._kept[0].ctypes.data, numbers, comm
@@ -213,7 +197,8 @@ class Reach(NamedTuple):
 
 def _of_mpi(name: str) -> int:
     """The address of a function of the library that mpi4py has loaded."""
-    return ctypes.cast(getattr(ctypes.CDLL(MPI.__file__), name), _POINTER).value or 0
+    function = getattr(ctypes.CDLL(MPI.__file__), name)
+    return ctypes.cast(function, ctypes.c_void_p).value or 0
 
 
 def _runs(of: Numbers, to: Numbers) -> Numbers:

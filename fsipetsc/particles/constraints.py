@@ -8,12 +8,22 @@ solid are lists of variables where constraints change them.
 import numpy as np
 
 from fsipetsc.equations.vectors import add, along, choose, dot, per, scale, sub
-from fsipetsc.kernels.arrays import node, part_of, put_part
+from fsipetsc.kernels.arrays import row
 from fsipetsc.kernels.loops import each, number, otherwise, pick, stop, variable, when
 from fsipetsc.particles.members import SLIPS, SOLID
 
 #: a pivot below this part of its size before elimination belongs to a constraint that others imply
 REDUNDANT = 1e-9
+
+
+class Facts:
+    """What record.facts has of particle p."""
+
+    def __init__(self, record, p):
+        self._facts, self._p = record.facts, p
+
+    def __getattr__(self, name):
+        return getattr(self._facts, name)[self._p]
 
 
 def value_of(variables):
@@ -24,7 +34,7 @@ def value_of(variables):
 def vectors(like, normals, p, k):
     """G and S of constraint k of particle p."""
     d = len(like)
-    return part_of(like, normals, p, 2 * d * k), part_of(like, normals, p, 2 * d * k + d)
+    return row(like, normals, p, 2 * d * k), row(like, normals, p, 2 * d * k + d)
 
 
 def solve(record, p, one, M, M_s, a, b):
@@ -90,7 +100,7 @@ def slide(record, gain, p, one):
     the solid loses goes to the gas.
     """
     like, U, pi, M, M_s = record.like, record.U, record.pi, record.mass[p], record.solid_mass[p]
-    rho, v, w = U[p, 0], node(like, record.v, p), node(like, record.data.wall, p)
+    rho, v, w = U[p, 0], row(like, record.v, p), row(like, record.data.wall, p)
     for k in each(one.count):
         G, S = vectors(like, record.normals, p, k)
         pi[k] = np.where(record.constraint[p, k] == SLIPS, dot(add(G, S), w), 0.0)
@@ -103,9 +113,9 @@ def slide(record, gain, p, one):
         moved = add(scale(number(one.free_gas), G), scale(number(one.free_solid), S))
         accumulate(gain.impulse, scale(pi[k], moved))
     with when(M_s > 0.0):  # without a solid v stays 0: it is read, and a failed step has NaN
-        put_part(record.v, p, 0, new_v)
+        record.v[p] = new_v
     with when(M > 0.0):
-        put_part(U, p, 1, scale(rho, new_u))
+        U[p, 1:] = scale(rho, new_u)
     with when((M_s > 0.0) & (M > 0.0)):
         record.e[p] += change / M_s
         given = one.given_gas == 1  # the gas keeps what it has; the energy comes in
@@ -122,7 +132,7 @@ def accumulate(total, values):
 def velocity(like, U, p, M):
     """u of the gas of particle p; 0 if it has none."""
     nothing = (0.0,) * len(like)
-    return choose(M > 0.0, per(part_of(like, U, p, 1), U[p, 0]), nothing)
+    return choose(M > 0.0, per(row(like, U, p, 1), U[p, 0]), nothing)
 
 
 def accelerate(record, gain, p, one, of_gas, of_solid):
@@ -130,15 +140,15 @@ def accelerate(record, gain, p, one, of_gas, of_solid):
     and walls prescribe accelerations, and gas and solid that stick have one. A gas that is given
     has none: it gets its velocity in each stage, and the solid with it.
     """
-    like, data, U = record.like, record.data, part_of((*record.like, 0.0, 0.0), record.U, p, 0)
+    like, data, U = record.like, record.data, row((*record.like, 0.0, 0.0), record.U, p)
     (J_t, R, R_m, R_E), (_, _, F, _), nothing = of_gas, of_solid, (0.0,) * len(like)
-    M, M_s, v = record.mass[p], record.solid_mass[p], node(like, record.v, p)
-    u, w = velocity(like, record.U, p, M), node(like, data.wall, p)
-    w_t = node(like, data.wall_rate, p)
+    M, M_s, v = record.mass[p], record.solid_mass[p], row(like, record.v, p)
+    u, w = velocity(like, record.U, p, M), row(like, data.wall, p)
+    w_t = row(like, data.wall_rate, p)
     a_g = choose(M > 0.0, per(along(R_m, -R, u), M), nothing)
     a_s = choose(M_s > 0.0, per(F, M_s), nothing)
     clamped, given = one.clamp == 1, one.given_gas == 1
-    b = choose(clamped, node(like, data.clamp_rate, p), a_s)
+    b = choose(clamped, row(like, data.clamp_rate, p), a_s)
     a = choose(given, nothing, choose(one.wall == 1, w_t, a_g))
     both = choose(given, a, per(add(scale(M, a), scale(M_s, b)), M + M_s))
     both = choose(clamped, b, both)
@@ -153,10 +163,10 @@ def accelerate(record, gain, p, one, of_gas, of_solid):
     a, b = value_of(a), value_of(b)
     force, force_s = scale(M, sub(a, a_g)), scale(M_s, sub(b, a_s))
     power, from_solid = powers(record, gain, p, one, force, force_s, u, v, w)
-    put_part(record.acceleration, p, 0, b)
+    record.acceleration[p] = b
     with when(M > 0.0):
         rates = R, *add(R_m, force), R_E + power + from_solid
-        put_part(record.U_t, p, 0, per(along(rates, -J_t, U), record.V[p]))
+        record.U_t[p] = per(along(rates, -J_t, U), record.V[p])
 
 
 def powers(record, gain, p, one, force, force_s, u, v, w):
@@ -192,7 +202,7 @@ def powers(record, gain, p, one, force, force_s, u, v, w):
 
 def weigh_heat(record):
     """Mean specific heat of the solid members of each particle, and mean of what they store."""
-    for p in each(record.facts.shape[0]):
+    for p in each(record.mass.size):
         mass, heat, energy = sums = variable(), variable(), variable()
         for r in each(record.begin[p], record.begin[p + 1]):
             with when(record.kind[r] == SOLID):
@@ -209,8 +219,8 @@ def share_heat(law, which, record, gain):
     """One temperature of gas and solid where both conduct, or that which is given: of a wall, of
     the gas, or of the solid. Of particles whose gas has this law, the one of this number.
     """
-    for p in each(record.facts.shape[0]):
-        one, U, M, at_E = record.facts[p], record.U, record.mass[p], len(record.like) + 1
+    for p in each(record.mass.size):
+        one, U, M, at_E = Facts(record, p), record.U, record.mass[p], len(record.like) + 1
         warm, solid = one.warm_gas == 1, one.warm_solid == 1
         gas, both = (one.given_gas == 1) & ~warm, one.shares_heat == 1
         with when((one.law == which) & (warm | both) & (M > 0.0)):
@@ -235,20 +245,20 @@ def share_heat(law, which, record, gain):
 
 def warm_solids(record, gain):
     """The solids whose temperature is given get it."""
-    for p in each(record.facts.shape[0]):
-        with when((record.facts[p].warm_solid == 1) & (record.solid_mass[p] > 0.0)):
+    for p in each(record.mass.size):
+        with when((record.facts.warm_solid[p] == 1) & (record.solid_mass[p] > 0.0)):
             warm_the_solid(record, gain, p, rest_of(record, p), record.data.T_solid[p])
 
 
 def rest_of(record, p):
     """Energy per mass of a solid that is no heat."""
-    v = node(record.like, record.v, p)
+    v = row(record.like, record.v, p)
     return record.potential[p] + 0.5 * dot(v, v)
 
 
 def warm_the_gas(law, record, gain, p, of_gas, T):
     """Let the gas have a temperature."""
-    one, U, at_E = record.facts[p], record.U, len(record.like) + 1
+    one, U, at_E = Facts(record, p), record.U, len(record.like) + 1
     E = U[p, 0] * (law.internal_energy(U[p, 0], T) + of_gas)
     came = np.where(one.mine == 1, record.V[p] * (E - U[p, at_E]), 0.0)
     gain.energy[one.heats_gas] += came
@@ -258,7 +268,7 @@ def warm_the_gas(law, record, gain, p, of_gas, T):
 
 def warm_the_solid(record, gain, p, of_solid, T):
     """Let the solid have a temperature."""
-    one = record.facts[p]
+    one = Facts(record, p)
     given = (one.given_solid == 1) | (one.warm_solid == 0)  # it comes with all unknowns
     e = of_solid + record.capacity[p] * T
     came = np.where(one.mine == 1, record.solid_mass[p] * (e - record.e[p]), 0.0)

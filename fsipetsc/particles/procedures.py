@@ -27,7 +27,7 @@ change of unknowns that data replace. fsipetsc.blockrun.phases has the order of 
 import numpy as np
 
 from fsipetsc.equations.vectors import add, choose, dot, per, scale, sub
-from fsipetsc.kernels.arrays import node, part_of, put_part
+from fsipetsc.kernels.arrays import row
 from fsipetsc.kernels.loops import each, otherwise, pick, variable, when
 from fsipetsc.particles import constraints
 from fsipetsc.particles.members import GAS, SOLID
@@ -69,17 +69,17 @@ def end_sums(record, gain):
     stick have one velocity, and the gas gets the kinetic energy that the solid loses by that.
     """
     clear(gain.numbers)
-    for p in each(record.facts.shape[0]):
-        one = record.facts[p]
+    for p in each(record.mass.size):
+        one = constraints.Facts(record, p)
         of_gas, of_solid = summed(record, p)
         (V, M, P, E), (M_s, D, P_s, E_s) = obeyed(record, p, one, of_gas, of_solid)
         record.mass[p], record.V[p], record.solid_mass[p] = M, V, M_s
         with when(V > 0.0):
-            put_part(record.U, p, 0, (M / V, *per(P, V), E / V))
+            record.U[p] = M / V, *per(P, V), E / V
         with when(M_s > 0.0):
             record.mean_energy[p], record.e[p] = of_solid[3] / M_s, E_s / M_s
-            put_part(record.v, p, 0, per(P_s, M_s))
-            put_part(record.D, p, 0, D)
+            record.v[p] = per(P_s, M_s)
+            record.D[p] = D
         held = (one.wall == 1) | (one.clamp == 1)
         with when((one.mine == 1) & (held | (one.given_gas == 1) | (one.given_solid == 1))):
             with when(V > 0.0):
@@ -94,13 +94,13 @@ def obeyed(record, p, one, of_gas, of_solid):
     like, data, d, given = record.like, record.data, len(record.like), one.given_solid == 1
     moved = (one.clamp == 1) | given
     D = choose(M_s > 0.0, per(D, M_s), D)
-    D = choose(one.placed == 1, node(like, data.clamp, p), D)
-    D = choose(given, node(like, data.solid, p), D)
-    P_s = choose(one.clamp == 1, scale(M_s, node(like, data.clamp_velocity, p)), P_s)
-    P_s = choose(given, scale(M_s, part_of(like, data.solid, p, d)), P_s)
-    P = choose(one.wall == 1, scale(M, node(like, data.wall, p)), P)
+    D = choose(one.placed == 1, row(like, data.clamp, p), D)
+    D = choose(given, row(like, data.solid, p), D)
+    P_s = choose(one.clamp == 1, scale(M_s, row(like, data.clamp_velocity, p)), P_s)
+    P_s = choose(given, scale(M_s, row(like, data.solid, p, d)), P_s)
+    P = choose(one.wall == 1, scale(M, row(like, data.wall, p)), P)
     # a gas that is given, and what sticks
-    given, (rho, *rho_u, of_data) = one.given_gas == 1, part_of((*like, 0.0, 0.0), data.gas, p, 0)
+    given, (rho, *rho_u, of_data) = one.given_gas == 1, row((*like, 0.0, 0.0), data.gas, p)
     sticks, before = one.sticks == 1, kinetic(P_s, M_s)
     v = choose(given, per(tuple(rho_u), rho), per(add(P, P_s), M + M_s))
     v = choose(moved, per(P_s, M_s), v)
@@ -128,7 +128,7 @@ def begin_stored(record, y):
     """Solid members get the displacement of their particle, for which solids find energies."""
     for p, r in own_members(record):
         with when(record.kind[r] == SOLID):
-            own, D = Unknowns(record, r, y), node(record.like, record.D, p)
+            own, D = Unknowns(record, r, y), row(record.like, record.D, p)
             for c in range(len(record.like)):
                 own[c] = D[c]
 
@@ -161,16 +161,16 @@ def impose_conditions(record, gain, y):
     added to the auxiliary unknowns.
     """
     if record.slips:
-        for p in each(record.facts.shape[0]):
-            with when(record.facts[p].count > 0):
-                constraints.slide(record, gain, p, record.facts[p])
+        for p in each(record.mass.size):
+            with when(record.facts.count[p] > 0):
+                constraints.slide(record, gain, p, constraints.Facts(record, p))
     for number, law in enumerate(record.laws):
         constraints.share_heat(law, number, record, gain)
     constraints.warm_solids(record, gain)
     give_state(record, y)
     sum_up(gain)
     for c in each(record.auxiliary):
-        y[y.size - record.auxiliary + c] += gain.numbers[c]
+        y[record.first_auxiliary + c] += gain.numbers[c]
 
 
 def sum_up(gain):
@@ -190,24 +190,24 @@ def give_state(record, y):
             for c in range(d + 2):
                 own[1 + c] = J * record.U[p, c]
         with otherwise():
-            D, v, e = node(like, record.D, p), node(like, record.v, p), record.e[p]
+            D, v, e = row(like, record.D, p), row(like, record.v, p), record.e[p]
             kinetic, change = 0.5 * dot(v, v), e - record.mean_energy[p]
             heat = (e - kinetic - record.potential[p]) * record.alpha[r] / record.capacity[p]
             shared = kinetic + record.stored[r, 0] + heat
             alone = own[2 * d] + change
             for c in range(d):
                 own[c], own[d + c] = D[c], v[c]
-            own[2 * d] = np.where(record.facts[p].one_T == 1, shared, alone)
+            own[2 * d] = np.where(record.facts.one_T[p] == 1, shared, alone)
 
 
 def end_rates(record, gain, y, f):
     """Rates of members from the sums of their rates, under the constraints of their particles."""
-    for p in each(record.facts.shape[0]):
-        constraints.accelerate(record, gain, p, record.facts[p], *summed(record, p))
+    for p in each(record.mass.size):
+        constraints.accelerate(record, gain, p, constraints.Facts(record, p), *summed(record, p))
     give_rates(record, gain, y, f)
     sum_up(gain)
     for c in each(record.auxiliary):
-        f[f.size - record.auxiliary + c] = gain.numbers[c]
+        f[record.first_auxiliary + c] = gain.numbers[c]
 
 
 def give_rates(record, gain, y, f):
@@ -220,8 +220,8 @@ def give_rates(record, gain, y, f):
             for c in range(d + 2):
                 rates[1 + c] = J * record.U_t[p, c] + record.U[p, c] * J_t
         with otherwise():
-            push = sub(node(like, record.acceleration, p), tuple(rates[d + c] for c in range(d)))
-            power = dot(push, node(like, record.v, p))
+            push = sub(row(like, record.acceleration, p), tuple(rates[d + c] for c in range(d)))
+            power = dot(push, row(like, record.v, p))
             for c in range(d):
                 rates[d + c] += push[c]
             rates[2 * d] += power

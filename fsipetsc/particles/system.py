@@ -96,6 +96,7 @@ class ParticleSystem:
             matrix=np.zeros((most, most)),  # room for the constraints of one particle
             **{name: np.zeros(most) for name in ("pi", "pivots")},
             auxiliary=layout.auxiliary,  # unknowns, at the end of a vector, of what came in
+            first_auxiliary=layout.local_size - layout.auxiliary,
         )
 
     def procedures(self, gain: Any) -> Code:
@@ -146,14 +147,15 @@ class ParticleSystem:
         """What the record has of particles: their facts and kinds of constraints."""
         problem, count = self._layout.problem, len(self._particles)
         gases = [k for k, block in enumerate(problem.blocks) if block.kind == "fluid"]
-        facts, constraint = np.zeros(count, FACTS), np.zeros((count, most), np.int64)
+        facts, constraint = np.zeros((count, len(FACTS)), int), np.zeros((count, most), int)
         for p, particle in enumerate(self._particles):
             constraint[p, : len(particle.constraints)] = [kind for kind, _ in particle.constraints]
             gas = next((gases.index(k) for k, _ in particle.members if k in gases), 0)
             law = problem.law_at(particle.members)
             known = _facts(particle, mine[p], problem.column_of_face, gas, law)
             facts[p] = tuple(known.values())
-        return {"facts": facts, "constraint": constraint}
+        columns = SimpleNamespace(**dict(zip(FACTS, np.ascontiguousarray(facts.T))))
+        return {"facts": columns, "constraint": constraint}
 
     def faces_at(self, k: int) -> Any:
         """The faces of block k at members here whose area vectors make the normals of constraints.
@@ -185,7 +187,7 @@ class ParticleSystem:
     def at_walls(self, k: int) -> tuple[Array, Array]:
         """Nodes of a gas block here that stick to walls, and velocities (n, d) of these."""
         _, nodes, particle = self.own(k)
-        at_wall = self.record.facts["wall"][particle] == 1
+        at_wall = self.record.facts.wall[particle] == 1
         return nodes[at_wall], self.prescribed.data.wall[particle[at_wall]]
 
     def destroy(self) -> None:
@@ -224,4 +226,4 @@ def _facts(
     return {name: int(bool(flag)) for name, flag in flags.items()} | columns | numbers
 
 
-FACTS = np.dtype([(name, np.int64) for name in _facts(Particle([]), True, {}, 0, 0)], align=True)
+FACTS = tuple(_facts(Particle([]), True, {}, 0, 0))

@@ -13,7 +13,7 @@ import numpy as np
 from fsipetsc.blocks.face_formulas import FaceNode
 from fsipetsc.equations.tensors import add_unit, outer
 from fsipetsc.equations.vectors import add, dot, last_times, per, scale
-from fsipetsc.kernels.arrays import column_of, node, part_of
+from fsipetsc.kernels.arrays import column, row
 from fsipetsc.kernels.loops import each, invoke, variable, when
 from fsipetsc.scheme.normals import slope_at, turned
 from fsipetsc.scheme.part import area, gas_at, moving
@@ -113,7 +113,7 @@ def seen_at(part, faces, effect, i, q):
     like, out, rise = (0.0,) * d, faces.outside, None
     n, v = scale(sign, area(part, axis, at)), moving(part, at)
     w = gas_at(part, q, at)
-    beyond = gas.state(out[i, 0], part_of(like, out, i, 1), out[i, d + 1])
+    beyond = gas.state(out[i, 0], row(like, out, i, 1), out[i, d + 1])
     if effect.first_order:
         slope = slope_at(part, at, axis, lambda n: gas.velocity(gas_at(part, q, n)))
         rise = sign / q[at, 0] * dot(n, slope)
@@ -127,7 +127,7 @@ def load_face(part, faces, effect, i, q, rates, gain):
     d, at, own, energy = len(part.like), faces.at[i], faces.own[i], gain.energy
     like, column, across = (0.0,) * d, faces.column[i], faces.across[i]
     A = scale(faces.sign[i], area(part, faces.axis[i], at))
-    size, v = np.sqrt(dot(A, A)), part_of(like, q, at, d)
+    size, v = np.sqrt(dot(A, A)), row(like, q, at, d)
     forces = [variable(size * faces.traction[i, c]) for c in range(d)]
     if effect.by.pull:
         F = strain_at(part, q, at)
@@ -161,10 +161,10 @@ def normal_at(part, faces, i, q):
     solid, at, axis, sign = part.laws, faces.at[i], faces.axis[i], faces.sign[i]
     like = part.like
     if len(like) == 3:
-        return node(like, faces.normal, i)
+        return row(like, faces.normal, i)
 
     def place(n):
-        return add(column_of(like, faces.X, 0, n), node(like, q, n))
+        return add(column(like, faces.X, n), row(like, q, n))
 
     normal = (sign,)
     if len(like) == 2:
@@ -181,5 +181,5 @@ def strain_at(part, q, at):
     F = add_unit(1.0, outer(like, like))
     for k in range(d):
         A = per(area(part, k, at), metrics[d * d, at])
-        F = add(F, outer(slope_at(part, at, k, lambda n: node(like, q, n)), A))
-    return part.laws.with_hoops(F, node(like, q, at), metrics[-1, at])
+        F = add(F, outer(slope_at(part, at, k, lambda n: row(like, q, n)), A))
+    return part.laws.with_hoops(F, row(like, q, at), metrics[-1, at])

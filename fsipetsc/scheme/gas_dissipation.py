@@ -50,7 +50,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.equations.vectors import add, along, choose, dot, mean, scale, sub
-from fsipetsc.kernels.arrays import column, column_of, part_of, put_column, put_part
+from fsipetsc.kernels.arrays import column, row
 from fsipetsc.kernels.loops import each, variable, when
 from fsipetsc.operators.bands import difference
 from fsipetsc.scheme.gas_force import collect_force, with_force
@@ -105,12 +105,12 @@ def prepare(part, damp, q):
     gas = part.laws
     for i in each(damp.alpha.size, vector=True):
         w = gas_at(part, q, i)
-        put_column(damp.state, i, 0, w)
+        damp.state[:, i] = w
         if damp.sigma is not None:
             first, more = gas.first_entropy_variable(w), gas.entropy_variables(w)
             if part.form.raises:
                 first = first + part.volume.potential[i] * w[-1]
-            put_column(damp.z, i, 0, (first, *more))
+            damp.z[:, i] = first, *more
 
 
 def steepness(part, state, k, i, stride):
@@ -181,9 +181,9 @@ def fluxes(part, damp, k, stride):
         eta = gas.size_of_change(w, change, dU)
         F = scale(strength * norm[i] * speed / (1.0 + eta), dU)
         F = choose(norm[i] > 0.0, (*F, level * F[0]) if raises else F, nothing)
-        put_column(damp.F, before + i, 0, F)
+        damp.F[:, before + i] = F
     for i in each(N - order * stride, N, vector=True):
-        put_column(damp.F, before + i, 0, nothing)
+        damp.F[:, before + i] = nothing
 
 
 def collect(part, damp, k, stride, first, own, n, rates):
@@ -208,7 +208,7 @@ def collect(part, damp, k, stride, first, own, n, rates):
                 power = sign * (part.volume.potential[at_node] * F[0] - found[-1])
         if raises:
             collect_force(part, sums, per_weight, power, here)
-        put_part(rates, here, 1, along(part_of(more, rates, here, 1), per_weight, more))
+        rates[here, 1:] = along(row(more, rates, here, 1), per_weight, more)
 
 
 def split_pairs(part, damp, k, stride):
@@ -225,19 +225,17 @@ def split_pairs(part, damp, k, stride):
                 weight = alpha.value * S[m, place]
                 l, r = column(like_w, damp.state, i), column(like_w, damp.state, j)
                 a_l, a_r = area(part, k, i), area(part, k, j)
-                v_l, v_r = (column_of(like_v, part.metrics, grid, n) for n in (i, j))
+                v_l, v_r = (column(like_v, part.metrics, n, grid) for n in (i, j))
                 g = gas.volume_flux(a_l, v_l, a_r, v_r)
                 F = form.flux(gas, l, r, a_l, a_r, g)
                 rise = potential[j] - potential[i] if form.raises else 0.0
                 below, above = with_force(gas, form, False, F, l, r, a_l, a_r, rise)
-                put_column(damp.sums, i, 0, along(column(below, damp.sums, i), weight, below))
-                put_column(damp.sums, j, 0, along(column(above, damp.sums, j), -weight, above))
+                damp.sums[:, i] = along(column(below, damp.sums, i), weight, below)
+                damp.sums[:, j] = along(column(above, damp.sums, j), -weight, above)
                 more = (*mean(a_l, a_r), g)
                 for n in each(m):
                     link = i + n * stride
-                    put_column(
-                        damp.link, link, 0, along(column(more, damp.link, link), weight, more)
-                    )
+                    damp.link[:, link] = along(column(more, damp.link, link), weight, more)
 
 
 def flow_on(part, damp, stride):
@@ -260,5 +258,5 @@ def flow_on(part, damp, stride):
             if form.raises:
                 power = -0.5 * speed * change[0] * rise
                 below, above = (*below, power), (*above, -power)
-            put_column(damp.sums, i, 0, sub(column(below, damp.sums, i), below))
-            put_column(damp.sums, j, 0, add(column(above, damp.sums, j), above))
+            damp.sums[:, i] = sub(column(below, damp.sums, i), below)
+            damp.sums[:, j] = add(column(above, damp.sums, j), above)

@@ -10,7 +10,7 @@ Its monitor bounds the next step:
 import numpy as np
 
 from fsipetsc.equations.vectors import dot, sub
-from fsipetsc.kernels.arrays import column, column_of, node
+from fsipetsc.kernels.arrays import column, row
 from fsipetsc.kernels.loops import each, variable
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.gas_force import add_force, find_potential, note_potential
@@ -73,7 +73,7 @@ def rates(part, gain, found, y, f):
     d = len(part.like)
     planes, of_f = ghosted_planes(part, y, d + 3), owned_planes(part, f, d + 3)
     part.volume.sweep(part, found, owned_planes(part, y, d + 3), planes, of_f)
-    q, own = planes.turned(), of_f.turned()
+    q, own = planes.T, of_f.T
     if part.moves:
         add_ends(part, own)
     if part.around:
@@ -148,14 +148,14 @@ def seen_at(part, q, metrics, own, n):
     metrics: those that bound the step, see the head of this file.
     """
     gas, d, convection, squares = part.laws, len(part.like), 0.0, 0.0
-    here = node((0.0,) * (d + 3), q, own)
+    here = row((0.0,) * (d + 3), q, own)
     w, per_J = gas.primitive(here), 1.0 / here[0]
     c, relative = (
         gas.speed_of_sound(w),
-        sub(gas.velocity(w), column_of(part.like, metrics, d * d, n)),
+        sub(gas.velocity(w), column(part.like, metrics, n, d * d)),
     )
     for k, per_h in enumerate(part.per_h[k] for k in range(d)):
-        a = column_of(part.like, metrics, k * d, n)
+        a = column(part.like, metrics, n, k * d)
         size = dot(a, a) * per_h * per_h
         convection = convection + (abs(dot(a, relative)) * per_h + c * np.sqrt(size))
         squares = squares + size

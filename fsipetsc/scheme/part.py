@@ -45,7 +45,7 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
-from fsipetsc.kernels.arrays import column_of, node
+from fsipetsc.kernels.arrays import column, row
 from fsipetsc.kernels.loops import each, either
 
 
@@ -75,12 +75,12 @@ def ghosted_planes(part, s, dof):
 
 def owned(part, s, dof):
     """Return (M, dof), the same as `owned_planes` by nodes."""
-    return owned_planes(part, s, dof).turned()
+    return owned_planes(part, s, dof).T
 
 
 def area(part, k, n):
     """Return a^k of a gas, or A^k of a solid, at a node of the ghosted array."""
-    return column_of(part.like, part.metrics, k * len(part.like), n)
+    return column(part.like, part.metrics, n, k * len(part.like))
 
 
 def moving(part, n):
@@ -90,7 +90,7 @@ def moving(part, n):
 
 def gas_at(part, q, n):
     """Return the primitive variables of a gas at a node of q."""
-    return part.laws.primitive(node((*part.like, 0.0, 0.0, 0.0), q, n))
+    return part.laws.primitive(row((*part.like, 0.0, 0.0, 0.0), q, n))
 
 
 def ghosted_node(i, patch):

@@ -13,7 +13,7 @@ viscosity makes entropy at each node.
 """
 
 from fsipetsc.equations.vectors import add, dot, scale
-from fsipetsc.kernels.arrays import column_of, put_column
+from fsipetsc.kernels.arrays import column
 from fsipetsc.kernels.loops import each
 from fsipetsc.scheme.normals import slope_at
 from fsipetsc.scheme.part import area, gas_at, ghosted_node
@@ -45,7 +45,7 @@ def add_viscous(part, q, rates):
         for k in range(d):
             a = area(part, k, n)
             slope, flux = (
-                slope_at(part, n, k, lambda n, first=first: column_of(like_z, room, first, n), own)
+                slope_at(part, n, k, lambda n, first=first: column(like_z, room, n, first), own)
                 for first, own in ((0, -1.0), ((k + 1) * (d + 1), 1.0))
             )
             spread, fluxes = spread + dot(a, u) * slope[-1] + dot(a, slope[:-1]), add(fluxes, flux)
@@ -64,8 +64,8 @@ def find_hoops(part, q):
         w = gas_at(part, q, n)
         mu = gas.mu * gas.transport.viscosity(w[2])
         stress = -2.0 / 3.0 * mu * w[2 + d] * part.grid.source[n] / q[n, 0]
-        put_column(room, n, 0, gas.entropy_variables(w))
+        room[:, n] = gas.entropy_variables(w)
         for k in range(d):
             a = area(part, k, n)
             power = stress * dot(a, gas.velocity(w))
-            put_column(room, n, (k + 1) * (d + 1), (*scale(stress, a), power))
+            room[(k + 1) * (d + 1) :, n] = *scale(stress, a), power

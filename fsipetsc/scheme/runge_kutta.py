@@ -101,8 +101,8 @@ def note_gained(found, y):
     Their sum is the loss, and with that subtracted the unknown has E', for the next step.
     """
     count, latest = found.gain.numbers.size, found.latest
-    first = latest.size - count
+    first, auxiliary = latest.size - count, found.y.size - count
     for c in each(count):
-        gained = latest[first + c] + y[y.size - count + c]
+        gained = latest[first + c] + y[auxiliary + c]
         latest[first + c] = gained
-        y[y.size - count + c] -= gained
+        y[auxiliary + c] -= gained

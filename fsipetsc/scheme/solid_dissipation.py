@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.equations.vectors import dot, mean, scale, sub
-from fsipetsc.kernels.arrays import column, part_of
+from fsipetsc.kernels.arrays import column, row
 from fsipetsc.kernels.loops import each, variable, when
 from fsipetsc.operators.bands import Differences, difference
 from fsipetsc.scheme.gas_dissipation import largest, sense
@@ -81,7 +81,7 @@ class SolidDamping(SimpleNamespace):
 def steepness(part, q, small, i, stride):
     """The steepness s of a node; small: the e of s."""
     nodes = i - stride, i, i + stride
-    below, here, above = (part_of(part.like, q, n, len(part.like)) for n in nodes)
+    below, here, above = (row(part.like, q, n, len(part.like)) for n in nodes)
     rise, fall = sub(above, here), sub(here, below)
     turn = sub(rise, fall)
     lengths = np.sqrt(dot(rise, rise)) + np.sqrt(dot(fall, fall))
@@ -95,13 +95,12 @@ def lose(part, term, q, k, stride):
     zeros, begin = (0.0,) * d, term.F.shape[1] - N
     low, high = order // 2 * stride, (order + 1) // 2 * stride
     for i in each(N - order * stride, vector=True):
-        change = difference(lambda n: part_of(zeros, q, n, d), i, stride, weights)
+        change = difference(lambda n: row(zeros, q, n, d), i, stride, weights)
         A = mean(*(area(part, k, i + j) for j in (low, high)))
         alpha = largest(term.alpha, i, stride, weights)
         speed = (term.a + term.b * alpha) * norm[k, i] * term.impedance * np.sqrt(dot(A, A))
         F = scale(speed, change)
-        for c, value in enumerate((*F, dot(F, change))):
-            term.F[c, begin + i] = value
+        term.F[:, begin + i] = *F, dot(F, change)
     for c in range(d + 1):
         for i in each(N - order * stride, N, vector=True):
             term.F[c, begin + i] = 0.0
@@ -120,4 +119,4 @@ def collected(part, term, q, k, stride, node):
     force = scale((2.0 * (order % 2) - 1.0) * per_mass, F)
     loss = [term.F[d, here - j * stride] for j in (order // 2, (order + 1) // 2)]
     heat = 0.5 * per_mass * (loss[0] + loss[1])
-    return force, dot(part_of(zeros, q, node, d), force), heat
+    return force, dot(row(zeros, q, node, d), force), heat

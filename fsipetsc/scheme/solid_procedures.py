@@ -8,7 +8,7 @@ import numpy as np
 
 from fsipetsc.equations.tensors import add_unit, product, transpose
 from fsipetsc.equations.vectors import add, dot, per
-from fsipetsc.kernels.arrays import column, part_of
+from fsipetsc.kernels.arrays import column, row
 from fsipetsc.kernels.loops import each, variable, when, whole
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.face_kernels import strain_at
@@ -25,7 +25,7 @@ def store(part, particles, y):
         for i in each(rows.shape[0]):
             particles.stored[rows[i], 0] = 0.0
         return
-    q = ghosted_planes(part, y, 2 * len(part.like) + 1).turned()
+    q = ghosted_planes(part, y, 2 * len(part.like) + 1).T
     for i in each(rows.shape[0]):
         F = strain_at(part, q, at[i])
         energy = solid.energy(F) / solid.m0 + prestress_energy(part, F, at[i])
@@ -39,7 +39,7 @@ def rates(part, gain, found, y, f):
     dof = 2 * len(part.like) + 1
     planes, of_f = ghosted_planes(part, y, dof), owned_planes(part, f, dof)
     part.volume.sweep(part, found, owned_planes(part, y, dof), planes, of_f)
-    q, own = planes.turned(), of_f.turned()
+    q, own = planes.T, of_f.T
     work = part.dissipation.add(part, q, own, gain)
     work += part.faces.add(part, q, own, gain)
     work += supply(part, owned(part, y, dof), own, gain)
@@ -109,7 +109,7 @@ def find(part, y, q):
     """Fill seen, F and sums; y, q: planes of the owned nodes, and of those of the halo."""
     part.volume.sweep_strains(part, y, q, part.F)
     names = solid_integrals(len(part.like))
-    observe(part, names, lambda own, node: seen_at(part, y.turned(), own, node))
+    observe(part, names, lambda own, node: seen_at(part, y.T, own, node))
     part.sums[-1] = -part.sums[part.sums.size - 2]
 
 
@@ -118,11 +118,11 @@ def stressed(part, q, out):
     last F; q: planes of the ghosted nodes.
     """
     d, solid, M = len(part.like), part.laws, part.masses.shape[0]
-    zeros, q = (0.0,) * d, q.reshape(2 * d + 1, part.metrics.shape[1]).turned()
+    zeros, q = (0.0,) * d, q.reshape(2 * d + 1, part.metrics.shape[1]).T
     for node, own, n in rows_of(part):
         for i in each(n, vector=True):
             at, F = node + i, column(solid.unstrained(zeros), part.F, own + i)
-            v, e = part_of(zeros, q, at, d), q[at, 2 * d]
+            v, e = row(zeros, q, at, d), q[at, 2 * d]
             extra = 0.0 if solid.coupled else prestress_energy(part, F, at)
             T, J = solid.temperature(v, e - extra, F), solid.volume(F)
             P = solid.stress_at(F, T)
@@ -140,7 +140,7 @@ def seen_at(part, q, own, node):
     """
     solid, metrics, d = part.laws, part.metrics, len(part.like)
     zeros = (0.0,) * d
-    displacement, v, e = part_of(zeros, q, own, 0), part_of(zeros, q, own, d), q[own, 2 * d]
+    displacement, v, e = row(zeros, q, own), row(zeros, q, own, d), q[own, 2 * d]
     F = column(solid.unstrained(zeros), part.F, own)
     extra = prestress_energy(part, F, node)
     T, J = solid.temperature(v, e if solid.coupled else e - extra, F), solid.volume(F)
