@@ -27,11 +27,13 @@ STEADY = {
     "shell": {"shell_charge": 0.0, "fsi_shock": 0.0},
     "panel": {"panel_push": 0.0},
 }
-#: values of these options, which all else follows -> column of the reference
-EXACT = {
-    "ring": (("ring_gas",), {(True,): "ring", (False,): "ring in vacuum"}),
-    "shell": (("shell_gas", "shell_kappa"), {("centre", 1): "cylinder", ("centre", 2): "sphere"}),
-}
+#: options of a case beside those of STEADY, else as by default, and the column of the reference
+EXACT = (
+    ("ring", {"ring_gas": True, "ring_angular": 2}, "ring"),
+    ("ring", {"ring_gas": False, "ring_angular": 2}, "ring in vacuum"),
+    ("shell", {"shell_gas": "centre", "shell_kappa": 1}, "cylinder"),
+    ("shell", {"shell_gas": "centre", "shell_kappa": 2}, "sphere"),
+)
 #: how far from an exact frequency one of the scheme is taken for it, over its size
 NEAR = 0.03
 sections = partial(options_after, extra=OPTIONS)
@@ -56,7 +58,7 @@ def modes(arguments: list[str], comm: Comm) -> None:
     known = exact_modes(name, case, opt)
 
     def found() -> Any:
-        if name in EXACT:
+        if name in ("ring", "shell"):
             return radial_modes(*how, n, block_form(opt))[:count]
         with BlockState(MPI.COMM_SELF, *how, block_form(opt)) as state:
             omega = 1j * modes_near(state, -1j * opt["modes_near"], count)
@@ -76,10 +78,9 @@ def modes(arguments: list[str], comm: Comm) -> None:
 def exact_modes(name: str, case: Any, opt: Mapping[str, Any]) -> Array:
     """Angular frequencies [1/s] of the slowest modes of a ring or shell of the default materials;
     none where no reference has them."""
-    names, columns = EXACT.get(name, ((), {}))
-    free = {*names, *STEADY.get(name, ()), "ring_around"}
-    same = all(opt[o.name] == o.default for o in case.OPTIONS if o.name not in free)
-    column = columns.get(tuple(opt[of] for of in names))
-    if not same or column is None or opt["ring_angular"] != 2:
-        return np.array([])
-    return reference("normal_modes")[f"{column} imag"]
+    usual = {o.name: o.default for o in case.OPTIONS if o.name != "ring_around"}
+    for of, own, column in EXACT:
+        same = {**usual, **STEADY.get(name, {}), **own}.items() <= opt.items()
+        if of == name and same:
+            return reference("normal_modes")[f"{column} imag"]
+    return np.array([])

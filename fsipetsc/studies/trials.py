@@ -8,7 +8,7 @@ from contextlib import suppress
 from functools import partial
 from importlib.resources import files
 from importlib.util import find_spec
-from itertools import count, groupby
+from itertools import count
 from math import log, nan
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,12 +20,10 @@ from scipy.optimize import brentq
 from fsipetsc.cases import case_of, load_case
 from fsipetsc.checks import Array
 from fsipetsc.errors import RanksError
-from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import defaults
 from fsipetsc.output import drawing
 from fsipetsc.output.reader import Run, open_run
 from fsipetsc.process.together import Comm, together
-from fsipetsc.studies.tables import text_table
 
 #: how far an observed order may be below what is expected
 SLACK = 0.4
@@ -33,8 +31,6 @@ SLACK = 0.4
 ROUND_OFF = 1e-12
 #: relative differences of grids that resolve a solution are smaller
 RESOLVED = 0.1
-#: orders that are looked for where grids are compared with each other
-LEAST, MOST = -4.1, 16.0
 #: columns of a table of rows, and of their CSV file
 HEAD = ("quantity", "order", "grid spacings", "errors", "observed orders", "expected", "verdict")
 COLUMNS = "case quantity order h ranks value reference source error rate verdict".split()
@@ -65,11 +61,6 @@ class Expected(NamedTuple):
     def __str__(self) -> str:
         said = (self.order, "order {:.3g}"), (self.error, "error {:.2g}")
         return " or ".join(text.format(value) for value, text in said if value is not None)
-
-
-def round_off(steps: float) -> float:
-    """The largest relative error of a number that is rounded once in each of so many steps."""
-    return steps * 2.0**-52
 
 
 class Row(NamedTuple):
@@ -136,18 +127,7 @@ def order_of_differences(ratio: float, first: float, second: float, third: float
     def excess(p: float) -> float:
         return (first**p - second**p) / (second**p - third**p) - ratio
 
-    there = excess(LEAST) * excess(MOST) < 0.0
-    return float(brentq(excess, LEAST, MOST)) if there else nan
-
-
-def told(rows: Sequence[Row]) -> str:
-    """Return a table for each order."""
-    tables = []
-    for order, group in groupby(rows, lambda row: row.order):
-        cells = [row.cells for row in group]
-        body = text_table((HEAD[0], *HEAD[3:]), [(cell[0], *cell[3:]) for cell in cells])
-        tables.append(f"{OPERATORS[order].name}, h = {cells[0][2]}\n{body}")
-    return "\n\n".join(tables)
+    return float(brentq(excess, -4.1, 16.0)) if excess(-4.1) * excess(16.0) < 0.0 else nan
 
 
 def picture(title: str, panels: Mapping[str, Mapping[str, Row]], path: Path) -> None:
@@ -276,6 +256,11 @@ def joined(frames: Iterable[Mapping[str, Array]]) -> dict[str, Array]:
     """Return the fields of several blocks as one array each."""
     parts = list(frames)
     return {name: np.concatenate([part[name].ravel() for part in parts]) for name in parts[0]}
+
+
+def round_off(steps: float) -> float:
+    """The largest relative error of a number that is rounded once in each of so many steps."""
+    return steps * 2.0**-52
 
 
 #: a reference between its points: the spline of fifth degree

@@ -13,8 +13,8 @@ from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import RUN, Option
 from fsipetsc.output.file_layout import writing
 from fsipetsc.process.together import Comm
-from fsipetsc.studies.tables import Study
-from fsipetsc.studies.trials import COLUMNS, ENTRIES, HEAD, Entry, Row, Trial, picture, told
+from fsipetsc.studies.tables import Study, text_table
+from fsipetsc.studies.trials import COLUMNS, ENTRIES, HEAD, Entry, Row, Trial, picture
 
 SECTIONS = {
     "Verification": (
@@ -53,7 +53,8 @@ def verify(arguments: list[str], comm: Comm) -> None:
         lines += [line for row in rows for line in row.lines(comm.size, source)]
         study.save(COLUMNS, lines)  # and again after each entry
         study.on_first(partial(_show, study, name, title[2:], rows))
-        study.say((told(rows) if rows else "only with -verify_level full") + "\n")
+        table = text_table(HEAD, [row.cells for row in rows])
+        study.say((table if rows else "only with -verify_level full") + "\n")
         counts += Counter(row.verdict for row in rows)
     short = counts["falls short"]
     said = f"{counts['converges']} converge, {counts['holds']} hold, {short} fall short"
