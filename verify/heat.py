@@ -1,48 +1,10 @@
-"""Heat in gas and solid: two media in contact, a slab with a flux, a thermal mode at an interface.
-
-Contact: all lengths go as sqrt(t). The gas (x > 0) has the pressure 1 everywhere, so that with the
-mass m beside the interface, rho c_p T_t = kappa T_xx becomes, in xi = m/sqrt(t),
-
-    -xi T'/2 = D (T'/T)',    D = kappa p/(c_p R),    x/sqrt(t) = chi,  chi' = R T/p.
-
-The solid (X < 0) has an error function (H. S. Carslaw, J. C. Jaeger, Conduction of Heat in Solids,
-2nd ed., Sec. 2.15). Slab: the flux cos(2 pi t). Mode: linear equations, Chebyshev's collocation.
+"""Heat in gas and solid: a slab with the flux cos(2 pi t); a thermal mode at an interface, of the
+linear equations, by Chebyshev's collocation.
 """
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from scipy.integrate import solve_ivp
 from scipy.linalg import eig
-from scipy.optimize import brentq
-from scipy.special import erf
-
-#: gas: R, c_p, kappa, T far away; solid: rho c, kappa, T far away
-R, CP, KAPPA, HOT = 1.0, 3.5, 0.0063, 1.005
-COLD = 0.995
-HEAT, KAPPA_S = 1 / (0.25 * COLD) * 5 / 3 * 0.375, 0.00225
-A_S, D = KAPPA_S / HEAT, KAPPA / (CP * R)
-
-
-def contact(points):
-    """T at the interface, u sqrt(t) far away; chi, T, u sqrt(t) of gas; X/sqrt(t), T of solid."""
-    end = 16 * np.sqrt(D)
-
-    def shoot(T0, where=None):
-        flux = KAPPA_S * (T0 - COLD) / np.sqrt(np.pi * A_S)
-        start = [T0, flux * R / KAPPA, 0.0]  # T, T'/T, chi
-        return solve_ivp(
-            lambda xi, y: [y[1] * y[0], -xi * y[1] * y[0] / (2 * D), R * y[0]],
-            *((0.0, end), start, "DOP853", where),
-            rtol=1e-13,
-            atol=1e-15,
-        ).y
-
-    T0 = brentq(lambda T: shoot(T)[0][-1] - HOT, COLD, HOT, xtol=1e-15, rtol=1e-14)
-    xi = np.linspace(0, end, points)
-    T, _, chi = shoot(T0, xi)
-    u = (chi - xi * R * T) / 2
-    X = np.linspace(-end / 2, 0, points)
-    return T0, u[-1], chi, T, u, X, COLD + (T0 - COLD) * (1 + erf(X / np.sqrt(4 * A_S)))
 
 
 def slab(X, a=0.1, w=2 * np.pi):
@@ -97,13 +59,11 @@ def mode(where, n=32, mu=0.02, kappa=0.1, K=20.0, kappa_s=0.3, m0=2.0, alpha=1.0
 
 def columns(points=201):
     """Head -> numbers."""
-    T0, U, chi, T, u, X, T_s = contact(points)
     x = np.linspace(0, 1, points)
     s, solid, gas = mode(x)
     same = np.ones(points)
     return {
-        **{"contact T": T0 * same, "contact u": U * same, "chi": chi, "gas T": T, "gas u": u},
-        **{"X": X, "solid T": T_s, "x": x, "slab T": slab(x)},
+        **{"x": x, "slab T": slab(x)},
         **{"mode s": s * same, "mode solid": solid, "mode gas": gas},
     }
 
@@ -115,8 +75,6 @@ if __name__ == "__main__":
         "heat",
         columns(),
         "made by verify/heat.py; without dimensions (R of the gas 1, p = 1)",
-        "contact: T at the interface, u sqrt(t) far in the gas; gas T, gas u = u sqrt(t) at "
-        "x/sqrt(t) = chi; solid T at X/sqrt(t) = X",
         "slab T at x, at whole t; mode s: rate; mode solid, mode gas: T over its largest, at "
         "x - 1 and x",
     )

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc import Block, BlockProblem, Fluid, FluidLayer, Problem, SolidLayer
+from fsipetsc import Block, BlockProblem, Problem, SolidLayer
 from fsipetsc.blocks.conditions import Clamped, Free
-from fsipetsc.boundaries import Wall, clamped, free
+from fsipetsc.boundaries import clamped, free
 from fsipetsc.checks import Array
 from fsipetsc.materials.solid import ElasticSolid, Solid
 from fsipetsc.studies.trials import Compared, Trial, entry, joined, reference, round_off, smooth
@@ -98,42 +98,6 @@ def heat(trial: Trial) -> None:
         exact = smooth(table["x"], table[name])(np.clip(x, 0.0, 1.0))
         apart.append((of["T"] - 1.0) / 1e-7 - left * exact)
     trial.check("mode", np.concatenate(apart), order, round_off(10_000) / 1e-7)
-
-
-#: of the sudden contact: difference of the temperatures, begin and end [s]
-JUMP, BEGIN, END = 0.01, 10.0, 20.0
-
-
-@entry({4: (40, 80)}, dict.fromkeys((2, 4, 6), (20, 40, 80)))
-def sudden_contact(trial: Trial) -> None:
-    """A gas and a solid of different temperatures, suddenly in contact."""
-    table = reference("heat")
-    gas, U = Fluid(0.001, 0.0063, 1.4, 1.0), float(table["contact u"][0])
-    T_gas, u_gas = (smooth(table["chi"], table[name]) for name in ("gas T", "gas u"))
-    T_solid = smooth(table["X"], table["solid T"])
-
-    def in_gas(x: Array, t: float = BEGIN) -> list[Array]:
-        chi, root = np.clip(x / np.sqrt(t), 0.0, table["chi"][-1]), np.sqrt(t)
-        return [1.0 / T_gas(chi), u_gas(chi) / root, T_gas(chi)]
-
-    def in_solid(X: Array, t: float = BEGIN) -> list[Array]:
-        T = T_solid(np.clip(X / np.sqrt(t), table["X"][0], 0.0))
-        return [0.0 * X, 0.0 * X - 1.0, T, X]
-
-    solid = Solid(20.0, 0.00225, 1.0 / (0.25 * 0.995), 0.625)
-    moved = lambda t: 2.0 + 2.0 * U * (np.sqrt(BEGIN + t) - np.sqrt(BEGIN))  # noqa: E731
-    wall = Wall(moved, velocity=lambda t: U / np.sqrt(BEGIN + t))
-    left = SolidLayer("solid", solid, (-2.0, 0.0), in_solid)
-    members = left, FluidLayer("gas", gas, (0.0, 2.0), in_gas)
-    problem = Problem(members, clamped(T=0.995), wall, units="none")
-    cold, warm = (layer.frame(-1) for layer in trial.solve(problem, END - BEGIN).layers)
-    T = warm["T"]
-    # the pressure 2 rho du/dt warms the gas, at first, where density and p are about 1
-    slowed = 0.5 * abs(U) / BEGIN**1.5
-    expected = trial.closures, 0.4 / 1.4 * 2.0 * slowed / JUMP
-    trial.check("gas", (T - in_gas(warm["x"], END)[2]) / JUMP, *expected)
-    trial.check("solid", (cold["T"] - in_solid(cold["x"], END)[2]) / JUMP, *expected)
-    trial.check("interface", Compared(T[0], table["contact T"][0], JUMP), *expected)
 
 
 @entry({}, {4: (200, 400)})
