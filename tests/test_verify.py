@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from helpers import REPOSITORY, program, rows_of, solve
 
+from fsipetsc.cases import load_case
+from fsipetsc.options import defaults
 from fsipetsc.studies.trials import Compared, Expected, Row, reference
 from fsipetsc.studies.verify.command import entries, problem
 
@@ -52,6 +54,19 @@ def test_references_are_what_their_programs_make(name):
     assert list(kept) == list(made)
     for column, values in made.items():
         np.testing.assert_allclose(kept[column], values, rtol=1e-8, atol=1e-12, err_msg=column)
+
+
+def test_the_superseismic_case_has_the_states_of_its_reference():
+    """Behind the shock; in the solid behind both waves, and behind the P wave alone."""
+    case, table = load_case("superseismic"), reference("superseismic")
+    solid, gas = (layer.exact for layer in case.build(defaults(case)).layers)
+    for exact, X, Y, names in (
+        (gas, 0.2, 0.1, ("rho", "u", "v", "T")),
+        (solid, 0.1, -0.02, ("solid u", "solid v")),
+        (solid, 0.02, -0.2, ("solid u behind P", "solid v behind P")),
+    ):
+        found = exact(np.array([X]), np.array([Y]), 0.5)
+        assert np.ravel(found[: len(names)]) == pytest.approx([table[of][0] for of in names], 1e-9)
 
 
 def test_entries_say_all_that_another_code_needs():

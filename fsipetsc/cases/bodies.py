@@ -11,6 +11,7 @@ from fsipetsc.blocks.maps import Places, annulus, off_axis, rectangle
 from fsipetsc.cases import case, common
 from fsipetsc.cases.common import SHOCKS, Opt, materials
 from fsipetsc.cases.riemann import GasState, shock_in_plane
+from fsipetsc.cases.ring import CORE, INNER, OUTER, VESSEL
 from fsipetsc.checks import Array
 from fsipetsc.equations.elementary import tanh
 from fsipetsc.materials.solid import ElasticSolid
@@ -19,8 +20,6 @@ from fsipetsc.options import above_one
 
 #: gas before a shock: the unit of velocity is its speed of sound
 AHEAD = GasState(1.4, 0.0, 1.0)
-#: radii [m] of the core, the sides and the vessel of the shell
-CORE, INNER, OUTER, VESSEL = 0.4, 1.0, 1.3, 2.0
 
 
 @case(

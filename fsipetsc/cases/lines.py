@@ -95,20 +95,16 @@ def mms(opt: Opt) -> Problem:
     force_gas, force_solid = recorded(3, on_gas), recorded(2, on_solid)
     jump = recorded(2, left_over)
 
-    def fluid(name, X, X_I):
+    def fluid(name, X, X_I, x):  # x: the boundary
         forcing = lambda X, t: force_gas(X, t, in_gas(X_I, t)[1])  # noqa: E731
-        return FluidLayer(name, gas, X, in_gas, forcing, in_gas)
+        end = Dirichlet(x, lambda t: in_gas(X_I + x - in_solid(X_I, t)[3], t))
+        return FluidLayer(name, gas, X, in_gas, forcing, in_gas), end
 
-    def end(x, X_I):
-        return Dirichlet(x, lambda t: in_gas(X_I + x - in_solid(X_I, t)[3], t))
-
-    layers = (
-        fluid("left", (0.25, 1.0), 1.0),
-        SolidLayer("solid", solid, (1.0, 2.0), in_solid, force_solid, in_solid),
-        fluid("right", (2.0, 4.0), 2.0),
-    )
-    ends, jumps = (end(0.25, 1.0), end(4.0, 2.0)), lambda k, t: jump(k + 1.0, t)
-    return Problem(layers, *ends, jumps=jumps, units="none")
+    left, begin = fluid("left", (0.25, 1.0), 1.0, 0.25)
+    middle = SolidLayer("solid", solid, (1.0, 2.0), in_solid, force_solid, in_solid)
+    right, end = fluid("right", (2.0, 4.0), 2.0, 4.0)
+    jumps = lambda k, t: jump(k + 1.0, t)  # noqa: E731
+    return Problem((left, middle, right), begin, end, jumps=jumps, units="none")
 
 
 @case(
@@ -248,19 +244,12 @@ def piston(opt: Opt) -> Problem:
     gas, solid, time = gas_of(opt, R=287.0), solid_of(opt), opt["piston_time"]
     stroke, p0, T0 = 0.3, 1e5, 300.0
     still = constant(p0 / (gas.R * T0), 0.0, T0)
-
-    def phase(t):
-        return 0.5 * np.pi * np.minimum(t, time) / time
-
-    def place(t):
-        return stroke * np.sin(phase(t)) ** 2
-
-    def velocity(t):
-        return stroke * np.pi / time * np.sin(phase(t)) * np.cos(phase(t))
-
+    phase = lambda t: 0.5 * np.pi * np.minimum(t, time) / time  # noqa: E731
+    speed = lambda t: stroke * np.pi / time * np.sin(phase(t)) * np.cos(phase(t))  # noqa: E731
+    wall = Wall(lambda t: stroke * np.sin(phase(t)) ** 2, velocity=speed)
     layers = (
         FluidLayer("driven", gas, (0.0, 1.0), still),
         SolidLayer("layer", solid, (1.0, 1.2), line_at_rest(-p0, T0)),
         FluidLayer("behind", gas, (1.2, 2.2), still),
     )
-    return Problem(layers, left=Wall(place, velocity=velocity), right=Wall(2.2))
+    return Problem(layers, wall, Wall(2.2))

@@ -92,7 +92,7 @@ def convergence(arguments: list[str], comm: Comm) -> None:
                 kind, _, name = row.quantity.partition("/")
                 if name == "combined":
                     panels.setdefault(kind, {})[OPERATORS[order].name] = row
-    study.save([*trials.COLUMNS, *COST], lines, about)
+    study.save([*trials.COLUMNS, *COST], lines)
     study.on_first(lambda: trials.picture(about, panels, study.path.with_suffix(".png")))
     study.say(f"\nsaved {study.path}")
     if failures:

@@ -44,12 +44,11 @@ class Study:
         if self.comm.rank == 0 and not self.opt["fsi_quiet"]:
             print(text, flush=True)
 
-    def save(self, head: Sequence[str], rows: Iterable[Sequence[object]], about: str = "") -> None:
-        """Write a table of rank 0; about: a first line, which begins with #. FileError."""
+    def save(self, head: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+        """Write a table of rank 0. FileError."""
 
         def write() -> None:
             with writing(self.path, "the table"), self.path.open("w", encoding="utf-8") as file:
-                file.write(f"# {about}\n" if about else "")
                 csv.writer(file, lineterminator="\n").writerows([head, *rows])
 
         self.on_first(write)

@@ -60,27 +60,12 @@ def riemann_problems(trial: Trial) -> None:
         trial.check(f"{name}, p", found, order=1.0, error=trial.h)
 
 
-#: (block, unknown, column of the reference, low and high X, low and high Y) of plateaus at t = 0.5
-PLATEAUS = (
-    ("gas", "rho", "rho", 0.15, 0.3, 0.05, 0.15),
-    ("gas", "T", "T", 0.15, 0.3, 0.05, 0.15),
-    ("half space", "v", "solid v", 0.0, 0.25, -0.06, 0.01),
-    ("half space", "v", "solid v behind P", -0.02, 0.06, -0.25, -0.18),
-)
-
-
 @entry({4: (20, 40)}, {**dict.fromkeys((2, 6, 8), (20, 40)), 4: (20, 40, 80)})
 def superseismic(trial: Trial) -> None:
     """The gas has shocks, the solid jumps that do not steepen."""
-    table, run = reference("superseismic"), trial.solve("superseismic")
-    trial.check("gas", run.errors["fluid"]["combined"], order=1.0)
-    trial.check("solid", run.errors["solid"]["combined"], order=trial.kinked())
-    for name, unknown, column, low, high, below, above in PLATEAUS:
-        layer = run.blocks[name]
-        X, Y = np.meshgrid(layer.X, layer.Y)
-        inside = (X > low) & (X < high) & (Y > below) & (Y < above)
-        found = Compared(layer.frame(-1)[unknown][inside].mean(), table[column][0])
-        trial.check(f"plateau, {column}", found, order=1.0, error=trial.h / 0.5)
+    errors = trial.solve("superseismic").errors
+    trial.check("gas", errors["fluid"]["combined"], order=1.0)
+    trial.check("solid", errors["solid"]["combined"], order=trial.kinked())
 
 
 @entry({4: (20, 40, 80)}, {2: (20, 40, 80), 4: (20, 40, 80), 6: (40, 80, 160)})
