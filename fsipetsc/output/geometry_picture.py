@@ -82,22 +82,21 @@ def _of_layer(problem: Problem, k: int, h: float) -> Outline:
 def geometry_rows(found: Sequence[Outline], m: str) -> Rows:
     """Return what the blocks have, a row for each and for each axis; m: what follows a length."""
 
-    def span(sizes: Sequence[float]) -> str:
-        least, most = min(sizes), max(sizes)
-        return f"spacing {least:.4g}" + f" to {most:.4g}" * (most > 1.000001 * least) + m
+    def span(*sizes: Array) -> str:
+        least, most = min(of.min() for of in sizes), max(of.max() for of in sizes)
+        return f"spacing {least:.4g}" + f" to {most:.4g}" * bool(most > 1.000001 * least) + m
 
-    rows, nodes, every = [], 0, []
+    rows, every = [], []
     for one in found:
-        nodes += int(np.prod(one.shape))
         sizes = " x ".join(map(str, one.shape))
         rows.append((one.name, f"{'gas' if one.kind == 'fluid' else 'solid'}, {sizes} nodes"))
         for axis in range(len(one.shape)):
-            apart = np.linalg.norm(np.diff(one.X, axis=axis), axis=-1)
+            every.append(np.linalg.norm(np.diff(one.X, axis=axis), axis=-1))
             stands = [one.sides[axis, side][1] for side in (0, 1) if (axis, side) in one.sides]
             text = f"from {' to '.join(stands)}" if stands else "periodic"
-            every += (ends := [float(apart.min()), float(apart.max())])
-            rows.append((f"  axis {axis}", f"{span(ends)}; {text}"))
-    return [*rows, ("all", f"{nodes:,} nodes, {span(every)}")]
+            rows.append((f"  axis {axis}", f"{span(every[-1])}; {text}"))
+    nodes = sum(int(np.prod(one.shape)) for one in found)
+    return [*rows, ("all", f"{nodes:,} nodes, {span(*every)}")]
 
 
 def draw_geometry(target: Path, found: Sequence[Outline], title: str, axes: Sequence[str]) -> Path:

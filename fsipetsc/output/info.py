@@ -59,10 +59,9 @@ def _overview(run: Run) -> Rows:
 
 
 def _layer(run: Run, layer: Layer) -> str:
-    axes = "XYZ"[: run.dimension]
-    grid = layer.size + "".join(_range(f", {name} =", getattr(layer, name)) for name in axes)
+    ranges = (_range(f", {x} =", getattr(layer, x)) for x in "XYZ"[: run.dimension])
     spacing = f", h = {layer.h:g}" * (run.dimension == 1)
-    return f"{layer.kind}, {grid}{spacing}; {', '.join(layer.fields)}"
+    return f"{layer.kind}, {layer.size}{''.join(ranges)}{spacing}; {', '.join(layer.fields)}"
 
 
 def _range(label: str, values: Any, unit: str = "") -> str:

@@ -116,7 +116,7 @@ def pictures(run: Run, wanted: Wanted = USUAL, every: bool = True) -> dict[str, 
     quantities = chosen(run, wanted.fields)
     over_time = run.dimension == 1 and run.nframes >= LEAST_FRAMES
     if run.nframes and (every or wanted.times or not over_time):
-        for quantity in there(run) if every and not wanted.fields else quantities:
+        for quantity in there(run).values() if every and not wanted.fields else quantities:
             view = View(run, quantity, drawing.frames_of(run, quantity, wanted.times), wanted)
             found[quantity.name] = view.size()[2], partial(drawing.draw, view=view)
     if over_time and (every or not wanted.times):

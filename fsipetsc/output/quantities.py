@@ -94,25 +94,25 @@ class Quantity(NamedTuple):
         return fields[self.name]
 
 
-def there(run: Run) -> list[Quantity]:
-    """Return what can be drawn of this run."""
-    line, found = run.dimension == 1, []
+def there(run: Run) -> dict[str, Quantity]:
+    """Return what can be drawn of this run, by name."""
+    line, found = run.dimension == 1, {}
     made = {("fluid", "schlieren"): not line, ("solid", "strain"): line, ("solid", "p"): True}
     for name, (label, _) in FIELDS.items():
         known = {la.kind for la in run.layers if name in la.fields or made.get((la.kind, name))}
         labels = {kind: label for kind in ("fluid", "solid") if kind in known}
         if name == "p" and "solid" in labels:
             labels["solid"] = f"{'p − σ' if line else 'mean stress'} in solids"
-        found += [Quantity(name, labels)] * bool(label and labels)
+        if label and labels:
+            found[name] = Quantity(name, labels)
     return found
 
 
 def chosen(run: Run, names: Sequence[str]) -> list[Quantity]:
     """Return those of these names, or what a page shows where there are none. InputError."""
-    known = {quantity.name: quantity for quantity in there(run)}
-    for name in names:
-        if name not in known:
-            raise InputError(f"-fields {name}: expected some of {', '.join(known)}")
+    known = there(run)
+    if missing := [name for name in names if name not in known]:
+        raise InputError(f"-fields {missing[0]}: expected some of {', '.join(known)}")
     usual = ("u", "T", "p") if run.dimension == 1 else ("p",)
     return [known[name] for name in names or usual if name in known]
 

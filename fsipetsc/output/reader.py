@@ -43,7 +43,6 @@ class Run:
     Attributes:
         case: name of the case.
         options: name -> value of every option in force.
-        about: all that the file says of the run: header, summary, errors.
         header: what was known at the start: versions, ranks, created …
         summary: steps, rhs_evaluations, wall_time [s] …; versions and ranks, also before the end.
         errors: layer kind -> name -> error at the end, in the norm of `-fsi_norm`; empty where no
@@ -106,7 +105,6 @@ class Run:
                     n, d = math.prod(of["shape"]), len(of["shape"])
                     nodes.append(numbers(file[f"layer{k}/X"], *((n, d) if d > 1 else (n,))))
         with damage(self.path):
-            self.about = {"summary": {}, "errors": {}, **about}
             self.time = np.concatenate(times)
             self.nframes = len(self.time)
             self.series = {name: np.concatenate(values) for name, values in series.items()}
@@ -116,10 +114,10 @@ class Run:
             self.interfaces: tuple[str, ...] = tuple(header.get("interfaces", ()))
             self.faces: tuple[str, ...] = tuple(header.get("faces", ()))
             self.points = tuple((name, tuple(X)) for name, X in header.get("points", ()))
-            end = self.about["summary"]
+            end = about.get("summary", {})
             self.complete = bool(end) and end.get("status", "done") == "done"
             self.summary: dict[str, Any] = end | {k: header[k] for k in ("ranks", "versions")}
-            self.errors: dict[str, dict[str, float]] = self.about["errors"]
+            self.errors: dict[str, dict[str, float]] = about.get("errors", {})
             self.dimension = int(header.get("dimension", 1))
             every = zip(layers, nodes or [np.empty(0)] * len(layers))
             self.layers = tuple(Layer(self, k, *of) for k, of in enumerate(every))
@@ -166,9 +164,9 @@ class Run:
 
     def __repr__(self) -> str:
         span = f", t = {self.time[0]:g} … {self.time[-1]:g}" if self.nframes else ""
-        state = "" if self.complete else ", unfinished"
         kinds = ", ".join(f"{layer.name} ({layer.size})" for layer in self.layers)
-        return f"<Run {self.case!r}: {counted(self.nframes, 'frame')}{span}; {kinds}{state}>"
+        about = f"{counted(self.nframes, 'frame')}{span}; {kinds}"
+        return f"<Run {self.case!r}: {about}{', unfinished' * (not self.complete)}>"
 
 
 class Layer(Mapping[str, Array]):
@@ -241,7 +239,8 @@ class Layer(Mapping[str, Array]):
 
     def read(self, names: Sequence[str], first: int, end: int) -> list[Array]:
         """Return these fields in the frames from first to end. FileError."""
-        width, found = len(self.fields), []
+        width = len(self.fields)
+        found = [[np.empty((0, *self.shape))] for _ in names]
         with damage(self._run.path):
             for path, count in self._run._files:
                 a, b = max(first, 0), min(end, count)  # of this file
@@ -255,18 +254,16 @@ class Layer(Mapping[str, Array]):
                             rows = [table[..., self.fields.index(name)].T for name in names]
                         else:
                             rows = [group[name][a:b] for name in names]
-                    found.append([values.reshape(b - a, *self.shape) for values in rows])
-        found = found or [[np.empty((0, *self.shape))] * len(names)]
-        return [of[0] if len(of) == 1 else np.concatenate(of) for of in zip(*found)]
+                    for of, values in zip(found, rows):
+                        of.append(values.reshape(b - a, *self.shape))
+        return [of[-1] if len(of) < 3 else np.concatenate(of) for of in found]
 
     def __repr__(self) -> str:
         return f"<{self.kind} {self.name!r}: {self.size}; {', '.join(self.fields)}>"
 
 
 class InterfaceLine:
-    """The face of the solid at an interface in two dimensions: where it is, and how it moves.
-
-    `Run.interface` returns it.
+    """The face of the solid at an interface in two dimensions, as `Run.interface` returns it.
 
     Attributes:
         name: name of the interface.
@@ -291,8 +288,7 @@ class InterfaceLine:
         if np.ptp(Y) > 1e-12 * s[-1] or X[-1] <= X[0]:
             # along the face, into the solid is to the left (1) or to the right (-1)
             left = 1.0 if (axis == 0) == (side == 1) else -1.0
-            order: Any = min(2, len(s) - 1)
-            X_s, Y_s = np.gradient([X, Y], s, axis=1, edge_order=order)
+            X_s, Y_s = np.gradient([X, Y], s, axis=1, edge_order=2 if len(s) > 2 else 1)
             self.displacement = left * (X_s * (self.y - Y) - Y_s * (self.x - X))
 
 

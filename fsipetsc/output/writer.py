@@ -3,10 +3,9 @@ by rank 0. Frames and steps are kept in memory and written many at a time, for a
 as hundreds of time steps.
 
 A file in the folder NAME.parts is written under another name and renamed when it is whole, so a
-kill costs the piece in the making. At the end of the run the pieces are joined into NAME.h5, and
-the folder goes. Where there is NAME.h5 it is the result, and what the folder of the same run still
-has is a leftover. A restart makes of what it keeps of a result NAME.h5 again, which then becomes
-the first piece.
+kill costs the piece in the making. At its end the run joins the pieces into NAME.h5, which is the
+result wherever it is, and removes the folder. A restart makes of what it keeps of a result NAME.h5
+again, which then becomes the first piece.
 """
 
 import fcntl
@@ -72,7 +71,8 @@ class RunWriter:
         checkpoint: Path | None = None,
     ) -> None:
         self._comm, self._root, self._take_series = comm, comm.rank == 0, take_series
-        self._grids = list(grids)  # empty when they are written
+        # empty when they are written
+        self._grids = [X[:, 0] if X.shape[1] == 1 else X for X in grids]
         self._points = [math.prod(layer["shape"]) for layer in header["layers"]]  # of all ranks
         self._widths = [len(columns(layer)) for layer in header["layers"]]
         size = 8 * int(np.dot(self._points, self._widths))
@@ -89,9 +89,7 @@ class RunWriter:
         self.moved: list[tuple[Path, Path]] = []
         self._number = 1  # of the next piece
         #: frames given; on rank 0 rows of the series written
-        self.nframes, self.rows = self._on_root(
-            lambda: self._begin(os.fspath(path), after, checkpoint)
-        )
+        self.nframes, self.rows = self._on_root(lambda: self._begin(after, checkpoint))
         self._number += self.nframes > 0
 
     def write_frame(self, t: float, fields: Mapping[int, Array]) -> None:
@@ -119,8 +117,7 @@ class RunWriter:
             self._piece()
             now = time.monotonic()
             # writing takes at most 2 % of the time, and a long run has some hundred pieces at most
-            wait = max(SECONDS, 50 * (now - begun), 0.01 * (now - self._begun))
-            self._next_flush = now + wait
+            self._next_flush = now + max(SECONDS, 50 * (now - begun), 0.01 * (now - self._begun))
 
     def finish(
         self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None = None, join: bool = True
@@ -155,9 +152,7 @@ class RunWriter:
             parts[f"layer{k}/frames"] = frames, n
             if self._grids:
                 parts[f"layer{k}/X"] = self._grids[k], n
-        widths = {name: (n, local.shape[1]) for name, (local, n) in parts.items()}
-        # PETSc has no second axis for one number of each point
-        shapes = {name: (n, width) if width > 1 else (n,) for name, (n, width) in widths.items()}
+        shapes = {name: (n, *local.shape[1:]) for name, (local, n) in parts.items()}
         numbers = {"about": np.bytes_(json.dumps(self._about)), "time": np.array(self._times)}
         if self._new_rows:
             rows = np.concatenate(self._new_rows)
@@ -208,12 +203,12 @@ class RunWriter:
     def _draft(self) -> Path:
         return layout.piece(self.folder, self._number, ".new")
 
-    def _begin(self, path: str, after: Kept | None, checkpoint: Path | None) -> tuple[int, int]:
+    def _begin(self, after: Kept | None, checkpoint: Path | None) -> tuple[int, int]:
         """Make the folder. Its first piece is what is kept; another result of this name gets a new
         name. Return how many frames and rows are kept.
         """
         if os.path.lexists(self.path) and not self.path.is_file():  # such as /dev/null
-            raise FileError(f"{path}: exists and is not a regular file")
+            raise FileError(f"{self.path}: exists and is not a regular file")
         self._lock = lock(self.folder, str(self.path))
         left = layout.pieces(self.folder)
         earlier = [self.path] * self.path.exists()
@@ -250,7 +245,7 @@ def view(comm: MPI.Comm, viewer: PETSc.Viewer, name: str, local: Array) -> None:
     """Write this rank's part of a dataset of the piece in the making. Collective."""
     # a Vec of the world, of local length zero where the rank owns nothing: that of a part of
     # the ranks would lose data
-    size, width = (local.size, None), local.shape[1]
+    size, width = (local.size, None), math.prod(local.shape[1:])
     vec = PETSc.Vec().createWithArray(np.ascontiguousarray(local), size, bsize=width, comm=comm)
     group, dataset = name.split("/")
     vec.setName(dataset)
