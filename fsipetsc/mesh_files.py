@@ -11,6 +11,7 @@ connections is not needed.
 """
 
 from collections.abc import Mapping
+from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -86,7 +87,7 @@ def _add(grid: Grid, zone: h5py.Group, metres: float) -> None:
     if (kind := _text(zone["ZoneType"])) != "Structured":
         raise ValueError(f"zone '{name}' is {kind}: expected Structured")
     places = _places(name, zone["GridCoordinates"]) * metres
-    d, shape = places.shape[-1], places.shape[-2::-1]
+    d, every = places.shape[-1], [[0, n - 1] for n in places.shape[-2::-1]]
     corner = places[(slice(0, 2),) * d]  # two nodes along each axis
     edges = [np.diff(corner, axis=d - 1 - k)[(0,) * d] for k in range(d)]
     turned = determinant(np.array(edges)) < 0.0
@@ -94,15 +95,14 @@ def _add(grid: Grid, zone: h5py.Group, metres: float) -> None:
     for bc in (bc for group in _labelled(zone, "ZoneBC_t") for bc in _labelled(group, "BC_t")):
         patch = _text(bc["FamilyName"]) if "FamilyName" in bc else bc.name.rsplit("/", 1)[-1]
         ends = np.sort(np.asarray(bc["PointRange"][" data"]).reshape(2, d) - 1, axis=0).T.tolist()
-        sides = {(k, s): [s * (shape[k] - 1)] * 2 for k in range(d) for s in (0, 1)}
-        every = [[0, n - 1] for n in shape]
-        found = [f for f, at in sides.items() if ends == [*every[: f[0]], at, *every[f[0] + 1 :]]]
-        if not found:
+        for axis, side in product(range(d), (0, 1)):
+            if ends == [*every[:axis], [every[axis][side]] * 2, *every[axis + 1 :]]:
+                face = name, axis, int(side != (turned and axis == 0))
+                grid.patches[patch] = (*grid.patches.get(patch, ()), face)
+                break
+        else:
             wrong = f"nodes {' x '.join(f'{a + 1} to {b + 1}' for a, b in ends)}"
             raise ValueError(f"zone '{name}', patch '{patch}' has {wrong}: expected a whole face")
-        ((axis, side),) = found
-        face = name, axis, int(side != (turned and axis == 0))
-        grid.patches[patch] = (*grid.patches.get(patch, ()), face)
 
 
 def _places(name: str, grid: h5py.Group) -> Array:

@@ -53,8 +53,8 @@ def build(opt):
     def inflow(X, Y, t):
         return 1.0 + 0.1 * t**2.5, 0.0, 0.1 * speed(X, t), T(X, Y, t)
 
-    def across(X, Y, t):
-        return 0.1 * speed(X, t)
+    def wind(X, Y, t):
+        return 0.0, 0.1 * speed(X, t)
 
     def stress(X, Y, t):
         return -1.0 - 0.1 * np.arctan2(t, 1.0 + X)
@@ -73,7 +73,7 @@ def build(opt):
         "wall": (NoSlip(x=place, T=T), pressed),
         "lid": (NoSlip(x=place, velocity=velocity), pressed),
         "ends": (Given(inflow), Clamped(x=place, velocity=velocity, T=T)),
-        "open": (Open(lambda *x: inflow(*x)[0], (0.0, across), T), Absorbing(stress)),
+        "open": (Open(lambda *x: inflow(*x)[0], wind, T), Absorbing(stress)),
     }[kind]
     walls, clamps = (NoSlip(), Clamped()) if beside else (None, None)
     of_gas = Layer(

@@ -116,7 +116,7 @@ class Block:
         within = [i - turn * n for i, turn, n in zip(index, turns, self.shape)]
         X = self._mapped(tuple(i / c for i, c in zip(within, self.cells)))
         if known is not None and known[0].size:
-            number = np.ravel_multi_index(within[::-1], self.shape[::-1])
+            number = np.ravel_multi_index(within, self.shape, order="F")
             at = np.searchsorted(known[0], number).clip(max=known[0].size - 1)
             X = np.where(known[0][at] == number, known[1][:, at], X)
         turned = [axis for axis, turn in enumerate(turns) if np.any(turn)]
@@ -144,11 +144,11 @@ class Block:
         """Numbers of the nodes of a face, lower axis fastest."""
         index = [np.arange(n) for n in self.shape]
         index[axis] = index[axis][-1:] if side else index[axis][:1]
-        return np.ravel_multi_index(mesh(index)[::-1], self.shape[::-1]).ravel()
+        return np.ravel_multi_index(mesh(index), self.shape, order="F").ravel()
 
     def face_positions(self, axis: int, side: int) -> Array:
         """Places X of these nodes, (d, N)."""
-        return self.places(np.unravel_index(self.face_nodes(axis, side), self.shape[::-1])[::-1])
+        return self.places(np.unravel_index(self.face_nodes(axis, side), self.shape, order="F"))
 
     def _mapped(self, xi: Sequence[Array]) -> Array:
         """X (d, …) at logical coordinates. InputError for what a map raises, and for what is no

@@ -158,8 +158,7 @@ class BlockProblem:
 
     def places(self, k: int, nodes: Array) -> Array:
         """X of nodes of block k, (len, d); on faces the same bits for all nodes at one place."""
-        shape = self.blocks[k].shape[::-1]
-        return self.places_at(k, np.unravel_index(np.asarray(nodes), shape)[::-1]).T
+        return self.places_at(k, np.unravel_index(nodes, self.blocks[k].shape, order="F")).T
 
     def positions(self, k: int, where: Range) -> Array:
         """X of a range of nodes of block k, (d, N), axis 0 fastest, as `places`. Beyond the ends of
@@ -182,11 +181,11 @@ class BlockProblem:
         each.
         """
         block, slopes, around = self.blocks[k], [], []
-        index = np.array(np.unravel_index(node, block.shape[::-1]))[::-1, None]
+        index = np.array(np.unravel_index(node, block.shape, order="F"))[:, None]
         here = self.places_at(k, index)[:, 0]
-        for along, n in enumerate(block.shape):
-            steps = [s for s in (-1, 1) if block.periodic[along] or 0 <= index[along, 0] + s < n]
-            unit = np.arange(self.dimension)[:, None] == along
+        for along, unit in enumerate(np.eye(self.dimension, dtype=int)[..., None]):
+            n, closed = block.shape[along], block.periodic[along]
+            steps = [s for s in (-1, 1) if closed or 0 <= index[along, 0] + s < n]
             places = [self.places_at(k, index + s * unit)[:, 0] for s in steps]
             slopes.append(np.mean([s * (X - here) for s, X in zip(steps, places)], axis=0))
             around += places if along != axis else []

@@ -5,7 +5,6 @@ Data are numbers, or functions of place and time: f(*X, t), X the face's nodes i
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
-from functools import wraps
 from typing import Any
 
 import numpy as np
@@ -29,8 +28,7 @@ COLUMNS |= {"width": ("slip_length",), "outside": ("rho", "u", "T")}
 
 
 class Checked:
-    """A dataclass whose data are checked. Numbers become floats; a vector of which a component is a
-    function becomes one function.
+    """A dataclass whose data are checked; numbers become floats.
 
     ranges: what data must be that are numbers or functions; functions: those that are functions
     alone.
@@ -50,7 +48,9 @@ class Checked:
             elif key in self.ranges:
                 object.__setattr__(self, key, number(value, what, self.ranges[key]))
             elif key in VECTORS:
-                object.__setattr__(self, key, _vector(value, what))
+                items = enumerate(value if isinstance(value, (tuple, list)) else (value,))
+                vector = tuple(number(v, f"{what}[{k}]") for k, v in items)
+                object.__setattr__(self, key, vector)
         if getattr(self, "T", None) is not None and getattr(self, "heat_flux", None) is not None:
             raise InputError(f"{name}: T and heat_flux are both given: expected one, or neither")
 
@@ -58,16 +58,6 @@ class Checked:
     def steady(self) -> bool:
         """Whether no data depend on time."""
         return not any(map(callable, vars(self).values()))
-
-
-def _vector(value: Any, what: str) -> Any:
-    """Numbers and functions as a tuple of numbers, or as one function."""
-    items = enumerate(value if isinstance(value, (tuple, list)) else (value,))
-    found = tuple(v if callable(v) else number(v, f"{what}[{k}]") for k, v in items)
-    first = next(filter(callable, found), None)
-    if first is None:
-        return found
-    return wraps(first)(lambda *x: [v(*x) if callable(v) else v for v in found])
 
 
 class Condition(Checked):
@@ -281,7 +271,7 @@ class Open(Condition):
 
     Args:
         rho: density of the gas beyond [kg/m3].
-        u: its velocity [m/s]: d data, or `u(*X, t)`, which returns d arrays.
+        u: its velocity [m/s]: d numbers, or `u(*X, t)`, which returns d arrays.
         T: its temperature [K].
         order: order of the conditions in viscosity and conduction, 0 or 1.
     """

@@ -34,7 +34,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.blocks.block import Range, mesh
+from fsipetsc.blocks.block import Block, Range, mesh
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.hull import blend_of, hull_of
 from fsipetsc.blocks.metrics import Wide, cube_of, slopes_across, slopes_along
@@ -55,7 +55,7 @@ class Grid(SimpleNamespace):
 
     Procedures get known: (M, 2d) displacements [m] and velocities [m/s] of the given nodes, and
     metrics: (d d + d, N), a^1 … a^d and the velocity of the grid; around an axis or a centre A is
-    one more row.
+    one more row. like: d zeros, hoops: kappa zeros.
     """
 
     #: of the axes whose faces are blended
@@ -63,10 +63,15 @@ class Grid(SimpleNamespace):
 
     def __init__(self, problem: BlockProblem, k: int, wide: Wide, nodes: Array, faces: Any) -> None:
         block, centred = problem.blocks[k], problem.centred(k)
-        self.like, self.hull = (0.0,) * problem.dimension, hull_of(block, nodes, centred)
-        self.blend, self.wide, self.range = blend_of(
-            block, wide, self.hull.nodes, self.order, centred
-        )
+        self.like, self.hoops = (0.0,) * problem.dimension, (0.0,) * problem.symmetry
+        self.hull = hull_of(block, nodes, centred)
+        found = blend_of(block, wide, self.hull.nodes, self.order, centred)
+        self.blend, self.wide, self.range = found
+        self.prepare(block, wide, faces)
+
+    def prepare(self, block: Block, wide: Wide, faces: Any) -> None:
+        """Make room, and find what does not move."""
+        raise NotImplementedError
 
     def edge(self, known, metrics):
         """Find where the grid's faces are, and a^k on those at constraints, or everywhere if that
@@ -98,8 +103,7 @@ class Grid(SimpleNamespace):
 class Line(Grid):
     """A grid in one dimension."""
 
-    def __init__(self, problem: BlockProblem, k: int, wide: Wide, *given: Any) -> None:
-        super().__init__(problem, k, wide, *given)
+    def prepare(self, block: Block, wide: Wide, faces: Any) -> None:
         self.slope = np.ascontiguousarray(wide.gradients()[0, 0])
 
     def edge(self, known, metrics):
@@ -114,35 +118,32 @@ class Plane(Grid):
     """A flat grid in two dimensions. slopes: (4, N), D_1 X and D_2 X. along, across: the faces
     along both axes. corners: columns of the four vertices, if there are any, vertices: (4, 2)
     values there; rise: (2, n) the bracket of D_2 u.
-
-    Faces along an axis: columns (2, n) of the hull, if there are any, the band of the axis, the
-    first node of the range, ends: (2, n) weights of the ends of the axis; f, slope: (4, n) values
-    and derivatives by side and component.
     """
 
     order = "10"
 
-    def __init__(self, problem: BlockProblem, k: int, wide: Wide, *given: Any) -> None:
-        super().__init__(problem, k, wide, *given)
+    def prepare(self, block: Block, wide: Wide, faces: Any) -> None:
         self.slopes = np.ascontiguousarray(wide.gradients().reshape(4, -1))
-        blended = self.blend.axes
-        self.along, self.across = (self._faces(wide, axis) for axis in (0, 1))
-        corners = blended[1].columns[:, [0, -1]].ravel() if len(self.blend.order) == 2 else ()
-        self.corners, self.vertices = np.array(corners, int), np.zeros((4, 2))
+        self.along, self.across = (self.faces_along(wide, axis) for axis in (0, 1))
+        corners = self.blend.axes[1].columns[:, [0, -1]] if len(self.blend.order) == 2 else ()
+        self.corners, self.vertices = np.array(corners, int).ravel(), np.zeros((4, 2))
         self.rise = np.zeros((2, self.range.sizes[0]))
 
-    def _faces(self, wide: Wide, axis: int) -> SimpleNamespace:
+    def faces_along(self, wide: Wide, axis: int) -> SimpleNamespace:
+        """Faces along an axis: columns (2, n) of the hull, if there are any, the band of the axis,
+        the first node of the range, ends: (2, n) weights of the ends of the axis; f, slope: (4, n)
+        values and derivatives by side and component.
+        """
         own, opposite = self.blend.axes[axis], self.blend.axes[1 - axis]
-        n, first = wide.sizes[axis], self.wide.first[axis]
-        ends = slice(self.range.first[axis], self.range.first[axis] + self.range.sizes[axis])
-        weights = np.zeros((2, 1, ends.stop)) if own is None else own.weights
+        n, first, begin = wide.sizes[axis], self.wide.first[axis], self.range.first[axis]
+        ends = np.zeros((2, n)) if own is None else own.weights[:, 0, begin:]
         columns = np.zeros((0, n), int) if opposite is None else opposite.columns
         return SimpleNamespace(
-            columns=np.ascontiguousarray(columns[:, first : first + n]),
+            columns=columns[:, first : first + n].copy(),
             S=wide.S[axis],
             weight=wide.weight[axis],
-            first=wide.where[axis][0] - wide.wide[axis][0],
-            ends=np.ascontiguousarray(weights[:, 0, ends]),
+            first=begin - first,
+            ends=ends[:, : self.range.sizes[axis]].copy(),
             f=np.zeros((4, n)),
             slope=np.zeros((4, n)),
         )
@@ -210,18 +211,16 @@ class Cube(Grid):
     with their velocity for 1 s, and where they were 1 s before. address, kept: see `cube_of`.
     """
 
-    def __init__(self, problem: BlockProblem, k: int, wide: Wide, nodes: Array, faces: Any) -> None:
-        super().__init__(problem, k, wide, nodes, faces)
+    def prepare(self, block: Block, wide: Wide, faces: Any) -> None:
         self.y, (self.x, self.moved) = wide.y, zeros((2, *wide.y.shape))
         self.volume = np.zeros(int(np.prod(self.range.sizes)))
         self.ahead, self.back = np.zeros((2, 9, self.volume.size))
         self.address, self.kept = cube_of(wide, faces)
-        shape, index = problem.blocks[k].shape, mesh([np.arange(*ends) for ends in wide.wide])
+        shape, index = block.shape, mesh([np.arange(*ends) for ends in wide.wide])
         on_faces = (index[a] == wide.where[a][0] + i for a, i in faces)
         at = sum(on_faces, np.zeros(index[0].shape, bool))
-        within = [(i % n)[at] for i, n in zip(index, shape)]
-        columns = np.searchsorted(self.hull.nodes, np.ravel_multi_index(within, shape, order="F"))
-        self.faces = np.stack([np.flatnonzero(at), columns])
+        numbers = np.ravel_multi_index([i[at] for i in index], shape, "wrap", "F")
+        self.faces = np.stack([np.flatnonzero(at), np.searchsorted(self.hull.nodes, numbers)])
 
     def edge(self, known, metrics):
         self.hull.fill(self.hull.moved, known, 0)
@@ -252,18 +251,16 @@ class Cube(Grid):
 class Radial(Grid):
     """A grid around an axis or a centre.
 
-    hoops: kappa zeros. y, P, S, weight, inner: of a Wide; before: nodes of faster axes between
-    neighbours along each axis. x, v: (d, W) places and velocities. area: (W,) A. flat: (d, W) z and
+    y, P, S, weight, inner: of a Wide; before: nodes of faster axes between neighbours along each
+    axis. x, v: (d, W) places and velocities. area: (W,) A. flat: (d, W) z and
     s, or w, b, slopes: (d d, W), slope: (W,) room. source, volume: (N,) S and J; turning: (d d, N)
     d a^k/dt in two dimensions; bounds: (d d + d + 1, N) metrics by which steps are bounded.
     """
 
-    def __init__(self, problem: BlockProblem, k: int, wide: Wide, *given: Any) -> None:
-        super().__init__(problem, k, wide, *given)
-        d, W = wide.y.shape
-        self.hoops, self.inner = (0.0,) * problem.symmetry, wide.inner(np.arange(W))
+    def prepare(self, block: Block, wide: Wide, faces: Any) -> None:
+        (d, W), self.before = wide.y.shape, (1, *wide.sizes[:-1])
+        self.inner = wide.inner(np.arange(W))
         self.y, self.P, self.S, self.weight = wide.y, wide.P, wide.S, wide.weight
-        self.before = (1, *wide.sizes[:-1])
         self.area, self.slope = np.zeros((2, W))
         self.x, self.v, self.flat = np.zeros((3, d, W))
         self.b, self.slopes = np.zeros((2, d * d, W))
