@@ -294,8 +294,9 @@ def superseismic(opt: Opt) -> BlockProblem:
         passed = np.cos(phi) * (x - t) + np.sin(phi) * y < 0.0
         return [np.where(passed, b, a) for a, b in zip(ahead, behind)]
 
-    rho, u, v, T = (lambda X, Y, t, k=k: gas(X, Y, t)[k] for k in range(4))
-    outside, p = Open(rho, (u, v), T), ahead[0] * ahead[3]
+    parts = 0, slice(1, 3), 3
+    rho, u, T = (lambda X, Y, t, part=part: gas(X, Y, t)[part] for part in parts)
+    outside, p = Open(rho, u, T), ahead[0] * ahead[3]
     material = ElasticSolid(mu, lame, 0.0, 1.0, 1.0, p, law="linear", heat="elastic")
     air = Fluid(0.0, 0.0, GAMMA, 1.0)
     below = Layer("half space", material, (-height, 0.0), solid, exact=solid, sides=Given(solid))
