@@ -16,7 +16,7 @@ nothing else (fsipetsc.kernels.build). So every node has the same bits in a vect
 any compiler and instruction set. What depends on parameters alone is computed before the loop.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib.resources import files
 from typing import Any, NamedTuple
 
@@ -26,29 +26,22 @@ from fsipetsc.kernels.symbols import Record, Symbol
 
 
 class Layout(NamedTuple):
-    """How far components of an item, and items, are apart in an array: expressions in C.
-
-    given: the first is a name of a number that the caller gives.
+    """Where component c of an item i stands in an array, as C has it; given: a number in it that
+    the caller gives.
     """
 
-    component: str
-    item: str = "1"
-    given: bool = False
+    place: str
+    given: str = ""
 
 
 #: rows of a tile: a component after the other, ROW apart, a constant
-ROWS = Layout("ROW")
-#: planes of a block: a component after the other, N apart, which the caller gives
-PLANES = Layout("N", given=True)
+ROWS = Layout("{c} * ROW + {i}")
+#: planes of a block: a component after the other, N apart
+PLANES = Layout("{c} * N + {i}", "N")
 #: planes of the nodes that a rank owns, M apart
-OWNED = Layout("M", given=True)
-#: one number that all items share
-SHARED = Layout("1", "0")
-
-
-def interlaced(count: str) -> Layout:
-    """The numbers of an item side by side; count: how many an item has."""
-    return Layout("1", count)
+OWNED = Layout("{c} * M + {i}", "M")
+#: numbers that all items share
+SHARED = Layout("{c}")
 
 
 class Kernel:
@@ -62,7 +55,6 @@ class Kernel:
         self._stores: list[tuple[str, Symbol]] = []
         self.counted: Symbol | None = None
         self._distances: dict[str, str] = {}
-        self._parameters = 0
 
     # what is read
 
@@ -72,41 +64,35 @@ class Kernel:
         """The components ``first`` and so on of an item, or of one that is far from it: an array of
         whole numbers says how far, which one.
         """
-        self._argument(array, "const double *", layout)
+        self._arguments.setdefault(array, "const double *restrict ")
         item, (distances, number) = "i", far
         if distances:
-            self._argument(distances, "const long *")
+            self._arguments[distances] = "const long *restrict "
             self._distances[f"{distances}_{number}"] = f"{distances}[{number}]"
             item = f"(i + {distances}_{number})"
-        places = (_place(array, layout, first + c, item) for c in range(count))
-        return tuple(self.record.given(place, layout.item == "0") for place in places)
+        places = self._places(array, layout, count, first, item)
+        return tuple(self.record.given(place, uniform=layout is SHARED) for place in places)
 
     def number(self, name: str) -> Symbol:
         """A number that all items share."""
-        self._argument(name, "double ")
+        self._arguments[name] = "double "
         return self.record.given(name, uniform=True)
 
     def parameters(self, equations: Any) -> Any:
-        """The same equations with their floats as arguments of the kernel: the array p, in the
-        order of fsipetsc.kernels.kernel.numbers_of. Other numbers (int, bool) become text.
+        """The same equations with their floats as arguments of the kernel: the array p, as
+        `numbers_of` has it. Other numbers (int, bool) become text.
         """
-        if isinstance(equations, float):
-            self._argument("p", "const double *")
-            self._parameters += 1
-            return self.record.given(f"p[{self._parameters - 1}]", uniform=True)
-        if isinstance(equations, tuple):
-            made = [self.parameters(part) for part in equations]
-            return type(equations)(*made) if hasattr(equations, "_fields") else tuple(made)
-        return equations
+        of = (self.read("p", SHARED, 1, n)[0] for n, _ in enumerate(numbers_of(equations)))
+        return _replaced(equations, lambda number: next(of))
 
     # what is written
 
     def store(self, array: str, layout: Layout, values: Sequence[Any], first: int = 0) -> None:
         """Store values as the components ``first`` and so on of an item."""
-        self._argument(array, "double *", layout)
-        for c, value in enumerate(values):
-            place = _place(array, layout, first + c, "i")
-            self._stores.append((f"{place} =", self.record.constant(value)))
+        self._arguments[array] = "double *restrict "
+        places = self._places(array, layout, len(values), first, "i")
+        stored = (self.record.constant(value) for value in values)
+        self._stores += zip((f"{place} =" for place in places), stored)
 
     def add(self, array: str, layout: Layout, values: Sequence[Any], first: int = 0) -> None:
         """Add values to the components ``first`` and so on of an item."""
@@ -118,12 +104,11 @@ class Kernel:
         self.counted = self.record.constant(condition)
         self._stores.append(("counted +=", self.counted))
 
-    def _argument(self, name: str, kind: str, layout: Layout = SHARED) -> None:
-        known = self._arguments.get(name, "")
-        if kind == "double *" or not known:
-            self._arguments[name] = kind
+    def _places(self, array: str, layout: Layout, count: int, first: int, i: str) -> list[str]:
         if layout.given:
-            self._arguments[layout.component] = "long "
+            self._arguments[layout.given] = "long "
+        every = range(first, first + count)
+        return [f"{array}[{layout.place.format(c=c, i=i)}]" for c in every]
 
     # in procedures
 
@@ -139,26 +124,25 @@ class Kernel:
                 values.append(one)
             else:
                 texts.append(str(one.pointer() if hasattr(one, "pointer") else index_of(one)))
-        counted = None if self.counted is None else Index(record.new("n"))
-        result = "" if counted is None else f"const long {counted} = "
-        record.line(f"{result}{self.name}({', '.join(texts)});", values)
+        call = f"{self.name}({', '.join(texts)})"
         record.stores += 1
-        return counted
+        if self.counted is not None:
+            return record.whole(call, *values)
+        record.line(f"{call};", values)
+        return None
 
     # what is printed
 
     def text(self) -> str:
         """The function in C."""
-        values = [symbol for _, symbol in self._stores]
-        record, values = without_halves(self.record, values)
+        record, values = without_halves(self.record, [symbol for _, symbol in self._stores])
         stores = [Line(f"{place} {{0}};", (v,)) for (place, _), v in zip(self._stores, values)]
         before = [symbol for symbol in record.symbols if symbol.uniform]
         within = [symbol for symbol in record.symbols if not symbol.uniform]
         counts = self.counted is not None
         loop = f'ITEMS("omp simd{" reduction(+ : counted)" * counts}",'
         items = *before, Line(loop, inside=1), *within, *stores, Line(")", inside=-1)
-        arguments = sorted(self._arguments.items())
-        given = (f"{kind}{'restrict ' * (kind[-1] == '*')}{name}" for name, kind in arguments)
+        given = (f"{kind}{name}" for name, kind in sorted(self._arguments.items()))
         return "\n".join(
             [
                 f"/* {self.says} */",
@@ -173,22 +157,21 @@ class Kernel:
         )
 
 
+def _replaced(equations: Any, of: Callable[[float], Any]) -> Any:
+    """Equations, nested tuples, with of(x) for each float x."""
+    if isinstance(equations, float):
+        return of(equations)
+    if not isinstance(equations, tuple):
+        return equations
+    made = [_replaced(part, of) for part in equations]
+    return type(equations)(*made) if hasattr(equations, "_fields") else tuple(made)
+
+
 def numbers_of(equations: Any) -> list[float]:
     """The floats of equations, in the order in which kernels take them as parameters."""
-    if isinstance(equations, float):
-        return [equations]
-    if isinstance(equations, tuple):
-        return [number for part in equations for number in numbers_of(part)]
-    return []
-
-
-def _place(array: str, layout: Layout, component: int, item: str) -> str:
-    """Return the C expression of where a number stands."""
-    terms = []
-    for factor, step in ((str(component), layout.component), (item, layout.item)):
-        if "0" not in (factor, step):
-            terms.append(factor if step == "1" else f"{factor} * {step}")
-    return f"{array}[{' + '.join(terms) or '0'}]"
+    found = list[float]()
+    _replaced(equations, found.append)
+    return found
 
 
 def unit(*texts: str) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 from fsipetsc.equations.gas import NEAR
 from fsipetsc.equations.tensors import outer
 from fsipetsc.equations.vectors import add, along, mean, scale, sub
-from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel, interlaced
+from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel, Layout
 from fsipetsc.materials.stiffened_gas import PerfectGas, stiffened_gas
 from fsipetsc.scheme.gas_force import with_force
 from fsipetsc.scheme.sweep import KINDS, store
@@ -124,7 +124,7 @@ def _store(d: int, sums: int, moves: bool, number: int, kind: str) -> Kernel:
     total = scale(of_row * of_node, total)
     store(kernel, number, (total[-1] if moves else 0.0, *total[: d + 2]))
     if sums > d + 2:
-        kernel.store("supplied", interlaced(f"{d + 1}"), (*total[d + 2 : sums], 0.0))
+        kernel.store("supplied", Layout(f"{{c}} + {{i}} * {d + 1}"), (*total[d + 2 : sums], 0.0))
     return kernel
 
 

@@ -22,7 +22,7 @@ from fsipetsc.kernels.kernel import PLANES, ROWS, SHARED, Kernel, Layout
 from fsipetsc.scheme.sweep import KINDS, store
 
 #: planes of a tile
-TILE = Layout("step", given=True)
+TILE = Layout("{c} * step + {i}", "step")
 
 
 def solid_kernels(solid: Any, d: int, order: int, prestressed: bool) -> SimpleNamespace:
