@@ -13,7 +13,6 @@
    and without fused multiplications: blocks that share a face get the same bits for what lies
    within it, whichever way their axes run. */
 
-#define INLINE static inline __attribute__((always_inline))
 #define MOST_PAIRS 7
 
 /* The pairs of a node on both sides, nearest first: how far the others are, and their weights. Even

@@ -14,7 +14,7 @@
 #include <string.h>
 
 #define NOINLINE __attribute__((noinline))
-#define ELEMENTARY static inline __attribute__((always_inline))
+#define INLINE static inline __attribute__((always_inline))
 
 /* Constants in two or three parts. The last three bits of pi/4 are 0, so thrice it is exact. */
 static const double LN2_ = 0.6931471805599453, LN2_LOW_ = 2.3190468138462996e-17;
@@ -27,55 +27,55 @@ static const double ROUND_ = 6755399441055744.0;
 /* A number as a sum: low is below the last place of high, or near it. */
 struct sum_ { double high, low; };
 /* a + b without error, for |a| >= |b| or a = 0; a b without error. */
-ELEMENTARY struct sum_ exact_sum_(double a, double b) {
+INLINE struct sum_ exact_sum_(double a, double b) {
   const double high = a + b;
   return (struct sum_){high, b - (high - a)};
 }
-ELEMENTARY struct sum_ exact_product_(double a, double b) {
+INLINE struct sum_ exact_product_(double a, double b) {
   const double high = a * b;
   return (struct sum_){high, fma(a, b, -high)};
 }
 /* (n + n_low) / (d + d_low): a quotient and what its remainder adds to it. */
-ELEMENTARY struct sum_ quotient_(double n, double n_low, double d, double d_low) {
+INLINE struct sum_ quotient_(double n, double n_low, double d, double d_low) {
   const double inverse = 1.0 / d;
   const double high = n * inverse;
   const double remainder = fma(-high, d, n) + fma(-high, d_low, n_low);
   return (struct sum_){high, remainder * inverse};
 }
 /* a + b x + c x^2 + d x^3 */
-ELEMENTARY double cubic_(double x, double a, double b, double c, double d) {
+INLINE double cubic_(double x, double a, double b, double c, double d) {
   return fma(fma(fma(d, x, c), x, b), x, a);
 }
 /* A number's bits, and the number of these bits. */
 union word_ { double number; uint64_t bits; };
-ELEMENTARY uint64_t bits_(double x) { return (union word_){.number = x}.bits; }
-ELEMENTARY double number_(uint64_t bits) { return (union word_){.bits = bits}.number; }
+INLINE uint64_t bits_(double x) { return (union word_){.number = x}.bits; }
+INLINE double number_(uint64_t bits) { return (union word_){.bits = bits}.number; }
 /* 2^(k + more) with rounded = k + ROUND_. */
-ELEMENTARY double power_of_2_(double rounded, int more) {
+INLINE double power_of_2_(double rounded, int more) {
   return number_((bits_(rounded) + (uint64_t)(1023 + more)) << 52);
 }
 /* x between two bounds; nan stays. */
-ELEMENTARY double bounded_(double x, double least, double most) {
+INLINE double bounded_(double x, double least, double most) {
   return x < least ? least : (x > most ? most : x);
 }
 
 /* The larger and the smaller number, nan if one is nan; of two zeros the second. */
-ELEMENTARY double maximum_(double a, double b) {
+INLINE double maximum_(double a, double b) {
   const double larger = a > b ? a : b;
   return a != a ? a : larger;
 }
-ELEMENTARY double minimum_(double a, double b) {
+INLINE double minimum_(double a, double b) {
   const double smaller = a < b ? a : b;
   return a != a ? a : smaller;
 }
-ELEMENTARY double sign_(double x) { return x > 0.0 ? 1.0 : (x < 0.0 ? -1.0 : x + 0.0); }
+INLINE double sign_(double x) { return x > 0.0 ? 1.0 : (x < 0.0 ? -1.0 : x + 0.0); }
 
 /* --- exponentials
 
    e^(x + tail) = 2^k (1 + r + rest): k is x / ln 2, rounded, r = x - k ln 2 is exact, and with
    s = r + tail, rest = e^s - 1 - r = tail + s^2 q(s), to 2^-61. */
 struct exponential_ { double k_rounded, r, rest; };
-ELEMENTARY struct exponential_ exponential_(double x, double tail) {
+INLINE struct exponential_ exponential_(double x, double tail) {
   const double rounded = fma(x, LOG2_E_, ROUND_);
   const double k = rounded - ROUND_;
   const double r = fma(-k, LN2_, x);
@@ -89,7 +89,7 @@ ELEMENTARY struct exponential_ exponential_(double x, double tail) {
   return (struct exponential_){rounded, r, fma(z, fma(s, odd, fma(z, even, 0.5)), low)};
 }
 /* e^(x + tail). Of the two powers both are normal if the result is not. */
-ELEMENTARY double long_exp_(double x, double tail) {
+INLINE double long_exp_(double x, double tail) {
   const struct exponential_ e = exponential_(bounded_(x, -746.0, 711.0), tail);
   const double k = e.k_rounded - ROUND_;
   const double half_rounded = fma(k, 0.5, ROUND_);
@@ -98,21 +98,21 @@ ELEMENTARY double long_exp_(double x, double tail) {
   return value * power_of_2_(half_rounded, 0) * power_of_2_(other_rounded, 0);
 }
 /* 2^more (e^x - 1) for -45 <= x < 710.6, the largest terms first. */
-ELEMENTARY struct sum_ scaled_expm1_(double x, int more) {
+INLINE struct sum_ scaled_expm1_(double x, int more) {
   const struct exponential_ e = exponential_(x, 0.0);
   const double power = power_of_2_(e.k_rounded, more);
   const struct sum_ most = exact_sum_(power - power_of_2_(ROUND_, more), power * e.r);
   return exact_sum_(most.high, fma(power, e.rest, most.low));
 }
 /* e^x. Error: 0.9 ulp. */
-ELEMENTARY double exp_(double x) { return long_exp_(x, 0.0); }
+INLINE double exp_(double x) { return long_exp_(x, 0.0); }
 /* e^x - 1. Error: 1.2 ulp. */
-ELEMENTARY double expm1_(double x) {
+INLINE double expm1_(double x) {
   const struct sum_ half = scaled_expm1_(bounded_(x, -45.0, 710.0), -1);
   return fabs(x) < 1e-17 ? x : 2.0 * (half.high + half.low);
 }
 /* n / (n + 2) with n = e^(2 |x|) - 1. Error: 1.1 ulp. */
-ELEMENTARY double tanh_(double x) {
+INLINE double tanh_(double x) {
   const struct sum_ n = scaled_expm1_(bounded_(2.0 * fabs(x), 0.0, 40.0), 0);
   const struct sum_ d = exact_sum_(2.0, n.high);
   const struct sum_ q = quotient_(n.high, n.low, d.high, d.low + n.low);
@@ -124,7 +124,7 @@ ELEMENTARY double tanh_(double x) {
    x = 2^k (1 + f) with 1 + f between sqrt(1/2) and sqrt(2). Subnormal x are taken times 2^54. k is
    -inf for 0, inf for inf, else nan. */
 struct reduced_ { double k, f; };
-ELEMENTARY struct reduced_ reduced_(double x) {
+INLINE struct reduced_ reduced_(double x) {
   const uint64_t one = 0x3FF0000000000000u, sqrt_half = 0x3FE6A09E667F3BCDu;
   const double least = 2.2250738585072014e-308;
   const uint64_t bits = bits_(x < least ? 18014398509481984.0 * x : x);
@@ -138,7 +138,7 @@ ELEMENTARY struct reduced_ reduced_(double x) {
 
 /* ln(1 + f) = f - high + low with high = f^2 / 2 and low = s (high + R(s^2)), s = f / (2 + f):
    FDLIBM's e_log.c, its coefficients. */
-ELEMENTARY struct sum_ log_part_(double f) {
+INLINE struct sum_ log_part_(double f) {
   const double high = 0.5 * f * f;
   const double s = f / (2.0 + f);
   const double z = s * s;
@@ -148,14 +148,14 @@ ELEMENTARY struct sum_ log_part_(double f) {
   return (struct sum_){high, s * fma(z, R, high)};
 }
 /* k ln 2 + ln(1 + f) */
-ELEMENTARY double log_of_parts_(struct reduced_ r) {
+INLINE double log_of_parts_(struct reduced_ r) {
   const struct sum_ part = log_part_(r.f);
   return fma(r.k, LN2_, r.f - (part.high - fma(r.k, LN2_LOW_, part.low)));
 }
 /* ln x. Error: 0.9 ulp. */
-ELEMENTARY double log_(double x) { return log_of_parts_(reduced_(x)); }
+INLINE double log_(double x) { return log_of_parts_(reduced_(x)); }
 /* ln(1 + x): what 1 + x lost in rounding is added to f. Error: 1.4 ulp. */
-ELEMENTARY double log1p_(double x) {
+INLINE double log1p_(double x) {
   const double u = 1.0 + x;
   const double part = u - 1.0;
   const double lost = (1.0 - (u - part)) + (x - part);
@@ -164,7 +164,7 @@ ELEMENTARY double log1p_(double x) {
   return fabs(x) < 1e-17 ? x : log_of_parts_(r);
 }
 /* ln x = k ln 2 + 2 s + s z (2/3 + z Q(z)) with z = s^2 and s = f / (2 + f), to 65 bits. */
-ELEMENTARY struct sum_ long_log_(double x) {
+INLINE struct sum_ long_log_(double x) {
   const struct reduced_ r = reduced_(x);
   const struct sum_ d = exact_sum_(2.0, r.f);
   const struct sum_ s = quotient_(r.f, 0.0, d.high, d.low);
@@ -186,7 +186,7 @@ ELEMENTARY struct sum_ long_log_(double x) {
   return (struct sum_){all.high, all.low + (most.low + low)};
 }
 /* x^y = e^(y ln |x|), for negative x with the sign that whole y give it. Error: 1.1 ulp. */
-ELEMENTARY double pow_(double x, double y) {
+INLINE double pow_(double x, double y) {
   const double size = fabs(x);
   const struct sum_ l = long_log_(size);
   const double times = bounded_(y, -1e21, 1e21);
@@ -205,8 +205,8 @@ ELEMENTARY double pow_(double x, double y) {
 
    sin and cos of x - k pi/2 = r + low, |r| < 0.79: FDLIBM's k_sin.c, k_cos.c, their coefficients.
    pi/2 has three parts. x - k times the first is exact, the product with the second is, too. */
-struct circular_ { uint64_t k; struct sum_ sin, cos; };
-ELEMENTARY struct circular_ circular_(double x) {
+struct circular_ { uint64_t k; double sin, cos; };
+INLINE struct circular_ circular_(double x) {
   const double k_rounded = fma(x, TWO_BY_PI_, ROUND_);
   const double k = k_rounded - ROUND_;
   const double first = fma(-k, HALF_PI_, x);
@@ -223,29 +223,23 @@ ELEMENTARY struct circular_ circular_(double x) {
   C = cubic_(z, -0.001388888888887411, 2.480158728947673e-05, -2.7557314351390663e-07, C);
   C = fma(z, C, 0.0416666666666666);
   const double most = 1.0 - 0.5 * z;
-  const struct sum_ sin = exact_sum_(r, fma(z * r, S, low * most));
-  const double rest = fma(z * z, C, -r * low);
-  const struct sum_ cos = exact_sum_(most, ((1.0 - most) - 0.5 * z) + rest);
+  const double sin = r + fma(z * r, S, low * most);
+  const double cos = most + (((1.0 - most) - 0.5 * z) + fma(z * z, C, -r * low));
   return (struct circular_){bits_(k_rounded), sin, cos};
 }
 
-/* A function of the angle x, with the other sign in the second half of a turn. */
-ELEMENTARY double turned_(double x, double value, uint64_t quarters) {
-  const double with_sign = number_(bits_(value) ^ ((quarters & 2) << 62));
-  return fabs(x) <= 1099511627776.0 ? with_sign : NAN;
-}
-/* Where |x| <= 2^40, else nan. Errors: 0.8 ulp. */
-ELEMENTARY double sin_(double x) {
+/* sin of x and some quarters of a turn where |x| <= 2^40, else nan. Errors: 0.8 ulp. */
+INLINE double turned_(double x, uint64_t quarters) {
   const struct circular_ c = circular_(x);
-  return fabs(x) < 1e-9 ? x : turned_(x, c.k & 1 ? c.cos.high : c.sin.high, c.k);
+  quarters += c.k;
+  const uint64_t value = bits_(quarters & 1 ? c.cos : c.sin) ^ ((quarters & 2) << 62);
+  return fabs(x) <= 1099511627776.0 ? number_(value) : NAN;
 }
-ELEMENTARY double cos_(double x) {
-  const struct circular_ c = circular_(x);
-  return turned_(x, c.k & 1 ? c.sin.high : c.cos.high, c.k + 1);
-}
+INLINE double sin_(double x) { return fabs(x) < 1e-9 ? x : turned_(x, 0); }
+INLINE double cos_(double x) { return turned_(x, 1); }
 /* arctan(a / b) = eighths pi/4 + arctan t, 0 <= a <= b: t = a / b or, behind pi/8,
    (a - b) / (a + b). arctan t = t - t^3 P(t^2): FDLIBM's s_atan.c, its coefficients, |t| < 7/16. */
-ELEMENTARY struct sum_ arctan_part_(double a, double b, int steep) {
+INLINE struct sum_ arctan_part_(double a, double b, int steep) {
   const struct sum_ difference = exact_sum_(-b, a);
   const struct sum_ sum = exact_sum_(b, a);
   const struct sum_ n = {steep ? difference.high : a, steep ? difference.low : 0.0};
@@ -259,7 +253,7 @@ ELEMENTARY struct sum_ arctan_part_(double a, double b, int steep) {
   return (struct sum_){t.high, fma(-t.high * z, P, t.low)};
 }
 /* The angle of the point (x, y). Error: 1.5 ulp. */
-ELEMENTARY double arctan2_(double y, double x) {
+INLINE double arctan2_(double y, double x) {
   const int beyond = fabs(y) > fabs(x);
   const double larger = beyond ? fabs(y) : fabs(x);
   const double smaller = beyond ? fabs(x) : fabs(y);
@@ -284,11 +278,7 @@ static inline long least(long a, long b) { return a < b ? a : b; }
 static inline long quotient(long a, long b) { return a / b - (a % b != 0 && (a < 0) != (b < 0)); }
 static inline long remainder_of(long a, long b) { return a - b * quotient(a, b); }
 /* Calls of procedures, one after the other. */
-struct call {
-  void (*procedure)(const void *, double *, double *);
-  const void *of;
-  double *y, *f;
-};
+struct call { void (*procedure)(const void *, double *, double *); const void *of; double *y, *f; };
 void run_calls(long count, const struct call *calls) {
   for (const struct call *c = calls; c < calls + count; ++c) c->procedure(c->of, c->y, c->f);
 }

@@ -214,25 +214,20 @@ _FOLDED: dict[str, Callable[..., float]] = {
 def _simplified(record: Record, operation: str, operands: tuple[Symbol, ...]) -> Symbol | None:
     """Return what the operation gives without being recorded, as x + 0 is x, or None."""
     values = [operand.value for operand in operands]
-    if operation == "/" and values[1] == 0.0:
+    a, b, x, y = operands[0], operands[-1], values[0], values[-1]
+    if operation == "/" and y == 0.0:
         raise refuse("it divides by a constant 0")
     if operation in _FOLDED and None not in values:
         return record.constant(_FOLDED[operation](*values))
-    if operation in "+*":
-        for value, other in zip(values, reversed(operands), strict=True):
-            if value == (0.0 if operation == "+" else 1.0):
-                return other
-            if operation == "*" and value == 0.0:
-                return record.constant(0.0)
-    if operation == "-" and values[0] == 0.0:
-        return record.apply("neg", operands[1])
-    if (operation == "-" and values[1] == 0.0) or (operation == "/" and values[1] == 1.0):
-        return operands[0]
-    if operation == "/" and values[0] == 0.0:
+    if (operation, x) in (("+", 0.0), ("*", 1.0)):
+        return b
+    if (operation, y) in (("+", 0.0), ("-", 0.0), ("*", 1.0), ("/", 1.0)):
+        return a
+    if (operation, x) in (("*", 0.0), ("/", 0.0)) or (operation, y) == ("*", 0.0):
         return record.constant(0.0)
-    if operation == "where" and operands[1] is operands[2]:
-        return operands[1]
-    return None
+    if (operation, x) == ("-", 0.0):
+        return record.apply("neg", b)
+    return b if operation == "where" and operands[1] is b else None
 
 
 def _power(record: Record, base: Any, exponent: Any) -> Any:
@@ -325,42 +320,30 @@ def uses_of(wanted: Sequence[Symbol]) -> dict[int, int]:
     return Counter(symbol.number for symbol in (*wanted, *operands))
 
 
-class Replay:
-    """What symbols are where those that are given are known.
-
-    Args:
-        wanted: the symbols. What is made of them is ordered here, once.
+def replay(
+    wanted: Sequence[Symbol],
+    known: Mapping[Symbol, Any],
+    functions: Mapping[str, Callable[..., Any]] | None = None,
+) -> list[Any]:
+    """What symbols are, as numbers, arrays, or symbols of another record, by those that are known,
+    which may be constants and results of operations. functions: what to take of some operations,
+    by name, instead of numpy's.
     """
-
-    def __init__(self, wanted: Sequence[Symbol]) -> None:
-        self._wanted, self._order = wanted, needed(wanted)
-        last = {one.number: i for i, symbol in enumerate(self._order) for one in symbol.operands}
-        last.update((symbol.number, len(self._order)) for symbol in wanted)
-        self._done: list[list[int]] = [[] for _ in range(len(self._order) + 1)]
-        for number, i in last.items():
-            self._done[i].append(number)
-
-    def __call__(
-        self, known: Mapping[Symbol, Any], functions: Mapping[str, Callable[..., Any]] | None = None
-    ) -> list[Any]:
-        """Numbers, arrays, or symbols of another record, by those that are known. Constants and
-        results of operations may be among these. functions: what to take of some operations, by
-        name, instead of numpy's.
-        """
-        of = {**_FUNCTIONS, **(functions or {})}
-        values = {symbol.number: value for symbol, value in known.items()}
-        with np.errstate(all="ignore"):
-            for symbol, done in zip(self._order, self._done):
-                if symbol.number in values:
-                    continue
-                if symbol.value is not None:
-                    values[symbol.number] = symbol.value
-                    continue
-                operands = [values[operand.number] for operand in symbol.operands]
+    of, uses = {**_FUNCTIONS, **(functions or {})}, uses_of(wanted)
+    values = {symbol.number: value for symbol, value in known.items()}
+    with np.errstate(all="ignore"):
+        for symbol in needed(wanted):
+            if symbol.number in values:
+                continue
+            values[symbol.number] = symbol.value
+            if symbol.value is None:
+                operands = [values[one.number] for one in symbol.operands]
                 values[symbol.number] = of[symbol.operation](*operands)
-                for number in done:
-                    del values[number]  # arrays of many nodes take memory
-        return [values[symbol.number] for symbol in self._wanted]
+            for one in symbol.operands:
+                uses[one.number] -= 1
+                if not uses[one.number]:
+                    del values[one.number]  # arrays of many nodes take memory
+    return [values[symbol.number] for symbol in wanted]
 
 
 #: numpy's function of an operation
