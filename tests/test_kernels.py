@@ -294,8 +294,7 @@ def test_two_runs_at_once_with_an_empty_cache(tmp_path):
     command = [sys.executable, *line.split(), "-fsi_output"]
     both = [subprocess.Popen([*command, f"{k}.h5"], cwd=tmp_path, env=env) for k in range(2)]
     assert [process.wait() for process in both] == [0, 0]
-    names = [path.name for path in (tmp_path / "cache").iterdir()]
-    assert sorted(name.count(".") for name in names) == [0, 1], "a note on the target, a library"
+    assert [path.suffix for path in (tmp_path / "cache").iterdir()] == [".so"]
 
 
 def test_a_signal_during_compilation_is_answered_at_once(tmp_path):

@@ -1,9 +1,9 @@
 """How printed kernels become a library: which compiler, which flags, where libraries are kept.
 
-A library is named by a hash of all that its bits depend on: its text, the flags, and what the
-compiler says of itself and of the instruction set that -march=native stands for on this machine. So
-a folder that several machines share holds a library for each. Behind a library in its file stand
-the bytes of a hash of it: a file that is damaged is made anew.
+A library is named by hashes of all that its bits depend on: its text, the processor, the flags, and
+what the compiler says of itself and of the instruction set that -march=native stands for. So a
+folder that several machines share holds a library for each. Behind a library in its file stand the
+bytes of a hash of it: a file that is damaged is made anew.
 
 The environment: CC names the compiler, CFLAGS are more flags for it. FSIPETSC_CACHE names the
 folder; else it is ``fsipetsc/libraries`` in XDG_CACHE_HOME or in the user's .cache.
@@ -84,65 +84,44 @@ def compiler() -> tuple[str, ...]:
 
 
 @of_environment
-def flags() -> tuple[str, ...]:
-    """Return our flags, then those of CFLAGS. InputError for flags that would change bits, and
-    without a compiler.
+def target() -> tuple[tuple[str, ...], str]:
+    """Return the command of the compiler with all flags, those of CFLAGS last, and a hash of what
+    it depends on: the compiler's version, the instruction set of this machine. InputError for flags
+    that would change bits, and without a compiler.
     """
-    known = _macros()
-    gcc = b"__GNUC__" in known and b"__clang__" not in known
-    of_gcc = [OF_GCC, *[TUNED] * (b"__AVX512F__" in known)] if gcc else []
-    return (*FLAGS, *of_gcc, *[WIDE] * (b"__x86_64__" in known), *_own_flags())
-
-
-def _own_flags() -> list[str]:
-    """Return the flags of CFLAGS. InputError for those that would change bits."""
-    cc, own = (shlex.split(os.environ.get(name, "")) for name in ("CC", "CFLAGS"))
-    for name, given in (("CC", cc[1:]), ("CFLAGS", own)):
+    command, own = compiler(), shlex.split(os.environ.get("CFLAGS", ""))
+    for name, given in (("CC", command[1:]), ("CFLAGS", own)):
         for flag in given:
             if flag.startswith(REFUSED):
                 raise InputError(f"{name} has {flag}: results would depend on the compiler")
-    return own
+    asked = (*(flag for flag in FLAGS if flag != "-shared"), *own, "-E", "-dM", "-xc", os.devnull)
+    (known,) = _run([(*command, *asked)], "asking the C compiler for its target")
+    gcc = b"__GNUC__" in known and b"__clang__" not in known
+    of_gcc = [OF_GCC, *[TUNED] * (b"__AVX512F__" in known)] if gcc else []
+    flags = (*command[1:], *FLAGS, *of_gcc, *[WIDE] * (b"__x86_64__" in known), *own)
+    return (command[0], *flags), _hash(known, " ".join(flags).encode())[:8].hex()
 
 
-@of_environment
-def _macros() -> bytes:
-    """The macros that the compiler defines: its version, and the instruction set of this machine.
-    InputError without a compiler.
-    """
-    asked = (*(flag for flag in FLAGS if flag != "-shared"), *_own_flags(), "-E", "-dM", "-xc")
-    command = (*compiler(), *asked, os.devnull)
-    return _run([command], "asking the C compiler for its target")[0]
-
-
-@of_environment
-def _target() -> bytes:
-    """A hash of what the compiler says of itself and its target, and of its flags. It is kept, so
-    that where there is no compiler any more the last one counts. InputError without a compiler, now
-    and before.
-    """
-    note = folder() / f"target-{_hash(_processor(), ' '.join(_own_flags()).encode()).hex()[:16]}"
-    try:
-        compiler()
-    except InputError:
-        if note.is_file() and not os.environ.get("CC"):
-            return note.read_bytes()
-        raise
-    found = _hash(_macros(), " ".join((*compiler()[1:], *flags())).encode())
-    with suppress(OSError):  # machines without a compiler alone need it
-        if not note.is_file() or note.read_bytes() != found:
-            _write(note, found)
-    return found
-
-
-def _processor() -> bytes:
+@cache
+def _processor() -> str:
     """Return a text that tells apart processors with different instruction sets."""
     known = re.search("^(flags|Features).*", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
-    return f"{platform.machine()} {known and known[0]}".encode()
+    return f"{platform.machine()} {known and known[0]} "
 
 
 def name_of(text: str) -> str:
-    """The file's name of the library of a text in C. InputError without a compiler."""
-    return f"{_hash(text.encode(), _target()).hex()[:32]}.so"
+    """The file's name of the library of a text in C. Without a compiler that of the last library
+    which was made of it for this processor. InputError if there is none, either.
+    """
+    about = _processor() + os.environ.get("CFLAGS", "")
+    begin = _hash(text.encode(), about.encode()).hex()[:32]
+    try:
+        return f"{begin}-{target()[1]}.so"
+    except InputError:
+        found = [] if os.environ.get("CC") else [*folder().glob(f"{begin}-*.so")]
+        if not found:
+            raise
+        return max(found, key=os.path.getmtime).name
 
 
 def _hash(*parts: bytes) -> bytes:
@@ -217,7 +196,7 @@ def made(texts: Sequence[str]) -> list[bytes]:
             paths = [os.path.join(place, f"kernels{k}") for k in range(len(texts))]
             for path, text in zip(paths, texts):
                 Path(f"{path}.c").write_text(text)
-            command = (*compiler(), *flags())
+            command, _ = target()
             _run([(*command, f"{p}.c", "-o", f"{p}.so", "-lm") for p in paths], "compiling kernels")
             libraries = [Path(f"{path}.so").read_bytes() for path in paths]
     except OSError as error:
