@@ -149,23 +149,21 @@ def _given(command: str, arguments: list[str]) -> list[Any]:
     """Return the files, then option -> what was given, if the command has any. InputError."""
     usage = COMMANDS[command].arguments
     options = dict(re.findall(r"\[(-\w+) ?([^]]*)\]", usage))  # -> its value, "" if it has none
-    missing = re.sub(r"\[.*?\]", "", usage).split()
-    files, found, waiting, fault = [], {}, list(arguments), ""
-    while waiting and not fault:
-        word = waiting.pop(0)
+    wanted = re.sub(r"\[.*?\]", "", usage).split()
+    files, found, words, faults = [], {}, iter(arguments), []
+    for word in words:
         name = word[1:] if word.startswith("--") else word
-        if missing and word and not is_option(word):
+        if name in options:
+            found[name] = next(words, "") if options[name] else ""
+            if options[name] and (not found[name] or is_option(found[name])):
+                faults.append(f"{name} needs a value")
+        elif len(files) < len(wanted) and word and not is_option(word):
             files.append(word)
-            del missing[0]
-        elif name not in options:
-            fault = f"unexpected argument '{word}'"
-        elif options[name] and (not waiting or is_option(waiting[0])):
-            fault = f"{name} needs a value"
         else:
-            found[name] = waiting.pop(0) if options[name] else ""
-    if fault or missing:
-        fault = fault or f"{missing[0]} is missing"
-        raise InputError(f"{command}: {fault}: {PROGRAM} {command} {usage}")
+            faults.append(f"unexpected argument '{word}'")
+    faults += [f"{name} is missing" for name in wanted[len(files) :]]
+    if faults:
+        raise InputError(f"{command}: {faults[0]}: {PROGRAM} {command} {usage}")
     return [*files, found] if options else files
 
 

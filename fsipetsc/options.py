@@ -44,7 +44,7 @@ class Option:
         name: name without the dash, as in "solid_kappa".
         kind: int, float, str, bool, "ints" or "floats"; the last two are lists with commas.
         default: a value, None (not set) or `REQUIRED`.
-        unit: as in "kg/m3"; "" or "-" if there is none.
+        unit: as in "kg/m3"; "" if there is none.
         help: one line that `-help` prints.
         choices: the only values that are allowed.
         check: "positive", "nonnegative", or a function of the value that returns None or True if it
@@ -64,7 +64,6 @@ class Option:
         if kind not in _KINDS:
             raise TypeError(f"option {self.name!r}: expected a kind of {', '.join(_KINDS)}")
         object.__setattr__(self, "kind", kind)
-        object.__setattr__(self, "unit", "" if self.unit == "-" else self.unit)
 
     def parse(self, text: str) -> Any:
         if text == "" and self.kind != "bool":
@@ -219,8 +218,6 @@ PASSED_ON = {
 }
 #: those of its time integrator; those that it follows when it starts or ends
 IN_LOOP, AT_START = ("ts_monitor", "ts_view"), tuple(PASSED_ON)[4:]
-#: beginnings of PETSc's names, which no option of a case may have
-PETSCS = ("ts_", "ksp_", "pc_", "snes_", "mat_", "vec_", "dm_", "log_", "malloc_", "options_")
 
 
 def groups(
@@ -243,7 +240,7 @@ def groups(
     known = [option.name for options in sections.values() for option in options]
     taken = [name.lower() for name in (*known, *PASSED_ON, "help")]
     for name in (option.name for option in case.OPTIONS):
-        if taken.count(name.lower()) > 1 or name.lower().startswith(PETSCS):
+        if taken.count(name.lower()) > 1:
             raise InputError(f"case {case.NAME}: its option -{name} has the name of another one")
     for name in [name for name in case.DEFAULTS if name not in known][:1]:
         hint = _nearest(str(name), known)
@@ -365,6 +362,5 @@ def read_table(
 def _nearest(name: str, names: Iterable[str]) -> str:
     """Return a hint in brackets for a name that is none of the names."""
     spelt = {known.lower(): known for known in names}
-    alike = 0.85 if name.lower().startswith(PETSCS) else 0.6
-    best = get_close_matches(name.lower(), spelt, 1, alike)
+    best = get_close_matches(name.lower(), spelt, 1)
     return f" (did you mean -{spelt[best[0]]}?)" if best else " (-help lists the options there are)"

@@ -13,7 +13,7 @@ CASE = SimpleNamespace(
     SUMMARY="a stub",
     OPTIONS=(
         options.Option("solid_parts", "ints", (1, 2), "", "parts"),
-        options.Option("solid_law", str, "linear", "-", "law", ("linear", "cubic")),
+        options.Option("solid_law", str, "linear", "", "law", ("linear", "cubic")),
     ),
     DEFAULTS={"fsi_h": 0.0125, "ts_max_time": 2, "fsi_output_dt": 0.02},
 )
