@@ -141,7 +141,7 @@ class Kernel:
         within = [symbol for symbol in record.symbols if not symbol.uniform]
         counts = self.counted is not None
         loop = f'ITEMS("omp simd{" reduction(+ : counted)" * counts}",'
-        items = *before, Line(loop, inside=1), *within, *stores, Line(")", inside=-1)
+        items = *before, Line(loop), *within, *stores, Line(")")
         given = (f"{kind}{name}" for name, kind in sorted(self._arguments.items()))
         return "\n".join(
             [

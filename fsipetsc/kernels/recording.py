@@ -93,13 +93,10 @@ def _made(form: str, *given: Any) -> Index:
 
 
 class Line(NamedTuple):
-    """A line of C. form: has {0}, {1} … where values stand. inside: by how much what follows is
-    further inside of braces.
-    """
+    """A line of C. form: has {0}, {1} … where values stand."""
 
     form: str
     values: tuple[Symbol, ...] = ()
-    inside: int = 0
 
 
 class Recording(Record):
@@ -137,11 +134,11 @@ class Recording(Record):
             self._within[-1].append(key)
         return self._known[key]
 
-    def line(self, form: str, values: Iterable[Any] = (), inside: int = 0) -> None:
+    def line(self, form: str, values: Iterable[Any] = ()) -> None:
         """Record a line."""
         symbols = tuple(map(self.constant, values))
         self.wanted += symbols
-        self.items.append(Line(form, symbols, inside))
+        self.items.append(Line(form, symbols))
 
     def store(self, place: str, value: Any) -> None:
         """Let C store a number, or a whole one, at a place."""
@@ -161,11 +158,11 @@ class Recording(Record):
         return Index(name)
 
     def open(self, head: str) -> None:
-        self.line(f"{head} {{{{", inside=1)
+        self.line(f"{head} {{{{")
         self._within.append([])
 
     def close(self) -> None:
-        self.line("}}", inside=-1)
+        self.line("}}")
         self.stores += 1  # what was stored within may be read after it
         for key in self._within.pop():
             del self._known[key]
@@ -192,11 +189,13 @@ def recording() -> Recording:
 
 # --- what is printed
 
-#: what an operation is in C, if it is no function
+#: what an operation is in C, if it is no function; also sums that are fused with a product
 _FORMS = {
     **{name: f"{{0}} {name} {{1}}" for name in ("+", "-", "*", "/", *"<>", "<=", ">=", "==", "!=")},
     **{"&": "{0} & {1}", "|": "{0} | {1}", "not": "!{0}"},
     **{"neg": "-{0}", "abs": "fabs({0})", "sqrt": "sqrt({0})", "where": "{0} ? {1} : {2}"},
+    **{"a b + c": "fma({0}, {1}, {2})", "a b - c": "fma({0}, {1}, -{2})"},
+    "c - a b": "fma(-{0}, {1}, {2})",
 }
 
 
@@ -210,59 +209,42 @@ def printed(
     constants = (symbol for symbol in record.symbols if symbol.value is not None)
     names.update((symbol.number, _constant(symbol.value)) for symbol in constants)
     uses, lines, inside = uses_of(wanted), list[str](), 1
-    fused = _fused_products(record, uses)
-    left_out = {*names, *fused.values()}
+    sums = (symbol for symbol in record.symbols if symbol.number in uses)
+    fused = {symbol.number: found for symbol in sums if (found := _fused(symbol, uses))}
+    left_out = {*names, *(product.number for product, *_ in fused.values())}
     for item in items:
         if isinstance(item, Line):
             text = item.form.format(*(names[value.number] for value in item.values))
         elif item.number in uses and item.number not in left_out:
+            plain = None, item.operation, item.operands
+            _, operation, operands = fused.get(item.number, plain)
+            given = [names[operand.number] for operand in operands]
+            form = _FORMS.get(operation, f"{operation}_({', '.join(given)})")
             kind = "int" if item.operation in CONDITIONS else "double"
-            text = f"const {kind} t{item.number} = {_expression(item, fused, names)};"
+            text = f"const {kind} t{item.number} = {item.text or form.format(*given)};"
             names[item.number] = f"t{item.number}"
         else:
             continue
-        step = item.inside if isinstance(item, Line) else 0
-        inside += min(step, 0)
+        inside -= text.startswith(("}", ")"))
         lines.append("  " * inside + text)
-        inside += max(step, 0)
+        inside += text.endswith(("{", ","))
     return lines
 
 
-def _fused_products(record: Record, uses: dict[int, int]) -> dict[int, int]:
-    """Sums -> the product that each is fused with: the last operand that nothing else takes. What
-    is exact is not fused.
+def _fused(symbol: Symbol, uses: dict[int, int]) -> Any:
+    """The product that a sum is fused with, its last operand that nothing else takes, and operation
+    and operands of both; None if there is none. What is exact is not fused.
     """
-    fused = {}
-    for symbol in record.symbols:
-        sums = symbol.operation in ("+", "-") and symbol.number not in record.exact
-        if symbol.number in uses and sums:
-            for operand in reversed(symbol.operands):
-                alone = operand.operation == "*" and uses[operand.number] == 1
-                if alone and not operand.uniform and operand.number not in record.exact:
-                    fused[symbol.number] = operand.number
-                    break
-    return fused
-
-
-def _expression(symbol: Symbol, fused: dict[int, int], names: dict[int, str]) -> str:
-    """Return the C expression of a symbol. names: of its operands."""
-    if symbol.operation in ("given", "holds"):
-        return symbol.text
-    if symbol.number in fused:
-        return _fma(symbol, fused[symbol.number], names)
-    operands = [names[operand.number] for operand in symbol.operands]
-    call = f"{symbol.operation}_({', '.join(operands)})"
-    return _FORMS.get(symbol.operation, call).format(*operands)
-
-
-def _fma(symbol: Symbol, product: int, names: dict[int, str]) -> str:
-    """Return a sum or difference and the product among its operands as one operation."""
+    exact = symbol.record.exact
+    if symbol.operation not in ("+", "-") or symbol.number in exact:
+        return None
     first, second = symbol.operands
-    factors, other = (first, second) if first.number == product else (second, first)
-    a, b, c = (names[one.number] for one in (*factors.operands, other))
-    if symbol.operation == "+":
-        return f"fma({a}, {b}, {c})"
-    return f"fma({a}, {b}, -{c})" if factors is first else f"fma(-{a}, {b}, {c})"
+    for product, other, minus in ((second, first, "c - a b"), (first, second, "a b - c")):
+        alone = product.operation == "*" and uses[product.number] == 1
+        if alone and not product.uniform and product.number not in exact:
+            operation = "a b + c" if symbol.operation == "+" else minus
+            return product, operation, (*product.operands, other)
+    return None
 
 
 def _constant(value: float | None) -> str:
