@@ -116,27 +116,21 @@ class Kernel:
         """Let a procedure run the kernel over n items. An array is given from its first item on.
         Returns how many items were counted, of a kernel that counts.
         """
-        record, texts, values = recording(), list[str](), list[Symbol]()
-        given = {"n": n, **given}
-        for one in (given[name] for name in sorted(self._arguments)):
-            if isinstance(one, Symbol):
-                texts.append(f"{{{len(values)}}}")
-                values.append(one)
-            else:
-                texts.append(str(one.pointer() if hasattr(one, "pointer") else index_of(one)))
-        call = f"{self.name}({', '.join(texts)})"
+        record, known = recording(), {"n": n, **given}
+        values = [_given(known[name]) for name in sorted(self._arguments)]
+        call = f"{self.name}({', '.join(['{}'] * len(values))})"
         record.stores += 1
         if self.counted is not None:
             return record.whole(call, *values)
-        record.line(f"{call};", values)
+        record.line(f"{call};", *values)
         return None
 
     # what is printed
 
     def text(self) -> str:
         """The function in C."""
-        record, values = without_halves(self.record, [symbol for _, symbol in self._stores])
-        stores = [Line(f"{place} {{0}};", (v,)) for (place, _), v in zip(self._stores, values)]
+        record, values = without_halves([symbol for _, symbol in self._stores])
+        stores = [Line(f"{place} {{}};", (v,)) for (place, _), v in zip(self._stores, values)]
         before = [symbol for symbol in record.symbols if symbol.uniform]
         within = [symbol for symbol in record.symbols if not symbol.uniform]
         counts = self.counted is not None
@@ -155,6 +149,12 @@ class Kernel:
                 "}\n",
             ]
         )
+
+
+def _given(value: Any) -> Any:
+    """What a call in C has of a number, a whole number, or an array."""
+    pointer = value.pointer() if hasattr(value, "pointer") else value
+    return pointer if isinstance(pointer, Symbol) else index_of(pointer)
 
 
 def _replaced(equations: Any, of: Callable[[float], Any]) -> Any:

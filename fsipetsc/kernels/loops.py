@@ -53,7 +53,7 @@ def when(condition: Any) -> Iterator[None]:
     if isinstance(condition, (bool, np.bool_)):
         raise refuse("the condition is known when it is recorded: write `if`")
     name = record.new("c")
-    record.line(f"const int {name} = {{0}};", (condition,))
+    record.line(f"const int {name} = {{}};", condition)
     record.open(f"if ({name})")
     yield
     record.close()
@@ -69,30 +69,31 @@ def otherwise() -> Iterator[None]:
 
 def stop(condition: Any) -> None:
     """End the innermost loop if a condition holds."""
-    recording().line("if ({0}) break;", (condition,))
+    recording().line("if ({}) break;", condition)
 
 
 def pick(condition: Any, a: Any, b: Any) -> Index:
     """a if the condition holds, else b; both are whole numbers."""
-    return recording().whole(f"{{0}} ? {index_of(a)} : {index_of(b)}", condition)
+    return recording().whole("{} ? {} : {}", condition, index_of(a), index_of(b))
 
 
 def either(condition: Any, a: "Array", b: "Array") -> "Array":
     """The array a if the condition holds, else b; as a flat array, whose size is not known."""
     name = recording().new("p")
-    text = f"double *const {name} = {{0}} ? {a.pointer()} : {b.pointer()};"
-    recording().line(text, (condition,))
+    recording().line(
+        f"double *const {name} = {{}} ? {{}} : {{}};", condition, a.pointer(), b.pointer()
+    )
     return Array(name, a.dtype, (None,))
 
 
 def named(index: Any) -> Index:
     """The same whole number, which C computes once and keeps under a name."""
-    return recording().whole(f"{index_of(index)}")
+    return recording().whole("{}", index_of(index))
 
 
 def whole(value: Any) -> Index:
     """Return a number whose value is whole as an Index."""
-    return recording().whole("(long){0}", value)
+    return recording().whole("(long){}", value)
 
 
 def number(index: Any) -> Any:
@@ -108,7 +109,7 @@ class variable:
 
     def __init__(self, first: Any = 0.0) -> None:
         self._record, self._name = recording(), recording().new("v")
-        self._record.line(f"double {self._name} = {{0}};", (first,))
+        self._record.line(f"double {self._name} = {{}};", first)
 
     @property
     def value(self) -> Any:
@@ -211,6 +212,6 @@ def invoke(name: str, address: Any, *arrays: Array) -> None:
     """Call a function in C of the same translation unit with an address, a whole number, and the
     pointers to the first numbers of arrays.
     """
-    pointers = "".join(f", {array.pointer()}" for array in arrays)
-    recording().line(f"{name}((void *){index_of(address)}{pointers});")
+    values = index_of(address), *(array.pointer() for array in arrays)
+    recording().line(f"{name}((void *){', '.join(['{}'] * len(values))});", *values)
     recording().stores += 1

@@ -27,9 +27,7 @@ def _compared(sign: str) -> Any:
 
 
 class Index:
-    """A whole number that is known only when C runs: an expression in C."""
-
-    __slots__ = ("text",)
+    """A whole number, or an address, that is known only when C runs: an expression in C."""
 
     def __init__(self, text: str) -> None:
         self.text = text
@@ -93,10 +91,10 @@ def _made(form: str, *given: Any) -> Index:
 
 
 class Line(NamedTuple):
-    """A line of C. form: has {0}, {1} … where values stand."""
+    """A line of C. form: has {} where values, or texts, stand."""
 
     form: str
-    values: tuple[Symbol, ...] = ()
+    values: tuple[Any, ...] = ()
 
 
 class Recording(Record):
@@ -134,16 +132,15 @@ class Recording(Record):
             self._within[-1].append(key)
         return self._known[key]
 
-    def line(self, form: str, values: Iterable[Any] = ()) -> None:
-        """Record a line."""
-        symbols = tuple(map(self.constant, values))
-        self.wanted += symbols
-        self.items.append(Line(form, symbols))
+    def line(self, form: str, *values: Any) -> None:
+        """Record a line with numbers and whole numbers."""
+        known = [v if isinstance(v, Index) else self.constant(v) for v in values]
+        self.wanted += [value for value in known if isinstance(value, Symbol)]
+        self.items.append(Line(form, tuple(known)))
 
     def store(self, place: str, value: Any) -> None:
         """Let C store a number, or a whole one, at a place."""
-        text, values = (f"{value}", ()) if isinstance(value, Index) else ("{0}", (value,))
-        self.line(f"{place} = {text};", values)
+        self.line(f"{place} = {{}};", value)
         self.stores += 1
 
     def new(self, letter: str) -> str:
@@ -154,7 +151,7 @@ class Recording(Record):
     def whole(self, form: str, *values: Any) -> Index:
         """A whole number that C computes once and keeps under a name."""
         name = self.new("n")
-        self.line(f"const long {name} = {form};", values)
+        self.line(f"const long {name} = {form};", *values)
         return Index(name)
 
     def open(self, head: str) -> None:
@@ -214,7 +211,8 @@ def printed(
     left_out = {*names, *(product.number for product, *_ in fused.values())}
     for item in items:
         if isinstance(item, Line):
-            text = item.form.format(*(names[value.number] for value in item.values))
+            given = (names[v.number] if isinstance(v, Symbol) else v for v in item.values)
+            text = item.form.format(*given)
         elif item.number in uses and item.number not in left_out:
             plain = None, item.operation, item.operands
             _, operation, operands = fused.get(item.number, plain)
