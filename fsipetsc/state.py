@@ -116,7 +116,7 @@ class State:
             self.planning()
         else:
             self.set_data(t)
-            self._whole_step.batch(self.results[plan.BAD :], self.batch[plan.ALLOWED :])
+            self._whole_step(self.results[plan.BAD :], self.batch[plan.ALLOWED :])
             self.show(STAGES)
         self.evaluations += STAGES * max(1, int(self.batch[plan.MADE]))
 

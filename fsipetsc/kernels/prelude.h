@@ -3,12 +3,11 @@
    fused says fma: all compilers and processors give the same bits, with -ffp-contract=off and
    without -ffast-math. Of libm only fma, sqrt and trunc are taken, which have one right result.
    For 0, infinity, nan, negative and subnormal numbers they give what numpy gives (a nan may have
-   another sign). But sin and cos give nan where |x| > 2^40: more would need a table. Errors
-   are the largest among millions of numbers of the whole range, in units in the last place (ulp).
+   another sign), but sin and cos give nan where |x| > 2^40. Errors are the largest among millions
+   of numbers of the whole range, in units in the last place (ulp).
 
-   FDLIBM is the library of Sun Microsystems, 1993; some coefficients are from there. The others are
-   those of the best polynomials, found by the algorithm of Remez in 60 digits. */
-
+   Some coefficients are those of FDLIBM, the library of Sun Microsystems, 1993; the others are those
+   of the best polynomials, found by the algorithm of Remez in 60 digits. */
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
@@ -195,9 +194,7 @@ INLINE double pow_(double x, double y) {
   const double value = long_exp_(product.high, tail);
   const double sign = 0.5 * y == trunc(0.5 * y) ? 1.0 : x;
   const double with_sign = copysign(value, y == trunc(y) ? sign : 1.0);
-  const double of_finite = y == trunc(y) ? with_sign : NAN;
-  const double of_negative = size < INFINITY ? of_finite : with_sign;
-  const double known = x < 0.0 ? of_negative : with_sign;
+  const double known = (x < 0.0) & (size < INFINITY) & (y != trunc(y)) ? NAN : with_sign;
   return y == 0.0 ? 1.0 : (x == 1.0 ? 1.0 : known);
 }
 
@@ -277,14 +274,11 @@ static inline long most(long a, long b) { return a > b ? a : b; }
 static inline long least(long a, long b) { return a < b ? a : b; }
 static inline long quotient(long a, long b) { return a / b - (a % b != 0 && (a < 0) != (b < 0)); }
 static inline long remainder_of(long a, long b) { return a - b * quotient(a, b); }
-/* Calls of procedures, one after the other. */
+/* Calls of procedures, once, and again while nothing is bad and more rounds are allowed. */
 struct call { void (*procedure)(const void *, double *, double *); const void *of; double *y, *f; };
-void run_calls(long count, const struct call *calls) {
-  for (const struct call *c = calls; c < calls + count; ++c) c->procedure(c->of, c->y, c->f);
-}
-/* The calls of one step, once, and again while nothing is bad and more steps are allowed. */
-void run_batch(long count, const struct call *calls, const double *bad, const double *allowed) {
-  do run_calls(count, calls);
+void run_calls(const struct call *calls, long count, const double *bad, const double *allowed) {
+  do
+    for (const struct call *c = calls; c < calls + count; ++c) c->procedure(c->of, c->y, c->f);
   while (*bad == 0.0 && *allowed != 0.0);
 }
 /* A kernel's loop over items i. With vectors of eight numbers, those left over are one more vector

@@ -29,7 +29,7 @@ from fsipetsc.kernels.kernel import unit
 from fsipetsc.kernels.loops import KINDS, Array
 from fsipetsc.kernels.recording import Index, Recording, printed, recorded
 
-_POINTER = ctypes.c_void_p
+_POINTER, _ZERO = ctypes.c_void_p, np.zeros(1)
 
 
 class Called:
@@ -173,11 +173,7 @@ class Calls:
         rows = [(one.address, one.structure, *_pointers(vectors)) for one, vectors in calls]
         self._calls = np.array(rows, np.int64).reshape(-1, 4)
 
-    def __call__(self) -> None:
-        """Make all calls."""
-        self._library.run_calls(ctypes.c_long(len(self._calls)), _POINTER(self._calls.ctypes.data))
-
-    def batch(self, bad: np.ndarray, allowed: np.ndarray) -> None:
+    def __call__(self, bad: np.ndarray = _ZERO, allowed: np.ndarray = _ZERO) -> None:
         """Make all calls, once, and again while the number ``bad`` is 0 and ``allowed`` is not."""
-        numbers = (_POINTER(array.ctypes.data) for array in (self._calls, bad, allowed))
-        self._library.run_batch(ctypes.c_long(len(self._calls)), *numbers)
+        calls, *ends = (_POINTER(array.ctypes.data) for array in (self._calls, bad, allowed))
+        self._library.run_calls(calls, ctypes.c_long(len(self._calls)), *ends)
