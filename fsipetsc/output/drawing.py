@@ -277,10 +277,9 @@ class View:
             if places.count(frozenset(zip(*edge))) == 1:
                 axes.plot(*edge, color=color, linewidth=width)
         for (x, y), axis in product(solids, (0, 1)):
-            steps = np.hypot(np.diff(x, axis=axis), np.diff(y, axis=axis))
-            lines = max(1.0, LINES * steps.sum(axis).max() / np.ptp(self.limits, axis=1).max())
-            nodes = range(0, x.shape[axis], max(1, round(x.shape[axis] / lines)))[1:]
-            grid = [np.moveaxis(v.take(nodes, axis), axis, 1) for v in (x, y)]
+            step = np.hypot(np.diff(x, axis=axis), np.diff(y, axis=axis)).mean()
+            every = max(1, round(np.ptp(self.limits, axis=1).max() / (LINES * step)))
+            grid = [np.moveaxis(v, axis, 1)[:, every::every] for v in (x, y)]
             axes.plot(*grid, color="black", linewidth=0.3, alpha=0.5)
 
     def _streamlines(self, axes: Axes, frame: int) -> None:

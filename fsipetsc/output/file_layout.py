@@ -23,6 +23,10 @@ A checkpoint, which is numbers and a text and never code, has
     512 bytes        "fsipetsc checkpoint 7", the SHA-256 and the length of all that follows
     an HDF5 file     header, JSON text; arrays/NAME for each array. HDF5 passes over 512 bytes, so
                      h5dump and h5py open the file as it is
+
+NAME.xdmf, for ParaView and VTK, holds no numbers: a collection over time of collections of blocks,
+each a curvilinear grid, in two dimensions one point deep (with a 2DSMesh, VTK's reader takes no
+vectors). A HyperSlab takes one frame of a dataset.
 """
 
 import hashlib
@@ -31,6 +35,7 @@ import json
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from html import escape  # that of xml.sax loads all for the network
 from itertools import count, takewhile
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -48,6 +53,16 @@ LIBVER = ("v110", "v110")
 _MAGIC = b"fsipetsc checkpoint "
 _CHECKPOINT = 7  # version
 _HEAD = 512  # bytes: HDF5 looks for its own beginning at this place, too
+_XDMF = '<?xml version="1.0" ?>\n<!DOCTYPE Xdmf SYSTEM "Xdmf.dtd" []>\n<Xdmf Version="2.0">\n'
+_SERIES = '<Domain><Grid Name="{}" GridType="Collection" CollectionType="Temporal">\n'
+_FRAME = """<Grid Name="frame {}" GridType="Collection" CollectionType="Spatial">
+<Time Value="{!r}"/>
+"""
+_BLOCK = """<Grid Name="{}" GridType="Uniform">
+<Topology TopologyType="3DSMesh" Dimensions="{}"/>
+<Geometry GeometryType="{}">{}</Geometry>
+"""
+_FIELD = '<Attribute Name="{}" AttributeType="{}" Center="Node">{}</Attribute>\n'
 
 
 @contextmanager
@@ -228,3 +243,46 @@ def write_checkpoint(
         kept = f"; the one before is kept in {target}" if target.is_file() else ""
         said = f"{path}: the checkpoint cannot be written: {error.strerror or error}{kept}"
         raise CheckpointError(said) from None
+
+
+def write_xdmf(run: Any) -> None:
+    """Write NAME.xdmf beside a finished result (Run). FileError if another file has the name;
+    OSError.
+    """
+    target = beside(run.path, ".xdmf")
+    if target.exists() and not target.read_text(errors="replace").startswith(_XDMF):
+        raise FileError(f"{target}: is no XDMF of a result, and is left; {run.path} is complete")
+    text = [_XDMF, _SERIES.format(escape(run.case))]
+    for frame, t in enumerate(run.time.tolist()):
+        text.append(_FRAME.format(frame, t))
+        text += [_block(run, k, frame) for k in range(len(run.layers))]
+        text.append("</Grid>\n")
+    put(target, "".join([*text, "</Grid></Domain>\n</Xdmf>\n"]).encode())
+
+
+def _block(run: Any, k: int, frame: int) -> str:
+    layer, group = run.layers[k], f"{escape(os.path.basename(run.path))}:/layer{k}"
+    d, shape = run.dimension, " ".join(map(str, layer.shape))
+    grid = f"1 {shape}" if d == 2 else shape
+
+    def slab(field: str) -> str:
+        return (
+            f'<DataItem ItemType="HyperSlab" Dimensions="{grid}">'
+            f'<DataItem Dimensions="3 {d + 1}" Format="XML">'
+            f"{frame}{' 0' * d} 1{' 1' * d} 1 {shape}</DataItem>"
+            f'<DataItem Dimensions="{run.nframes} {shape}" NumberType="Float" Precision="8" '
+            f'Format="HDF">{group}/{field}</DataItem></DataItem>'
+        )
+
+    def vectors(fields: str) -> str:
+        function = ", ".join(f"${k}" for k in range(d))
+        return (
+            f'<DataItem ItemType="Function" Function="JOIN({function})" Dimensions="{grid} {d}">'
+            f"{''.join(map(slab, fields[:d]))}</DataItem>"
+        )
+
+    names = (name for name in layer.fields if name not in "xyz"[:d])
+    fields = [_FIELD.format(name, "Scalar", slab(name)) for name in names]
+    fields.append(_FIELD.format("velocity", "Vector", vectors("uvw")))
+    head = _BLOCK.format(escape(layer.name), grid, "XYZ"[:d], vectors("xyz"))
+    return f"{head}{''.join(fields)}</Grid>\n"

@@ -29,7 +29,6 @@ from fsipetsc.errors import FileError, FsiError
 from fsipetsc.output import file_layout as layout
 from fsipetsc.output.file_layout import beside, columns, publish
 from fsipetsc.output.reader import Run, open_run
-from fsipetsc.output.xdmf import write_xdmf
 from fsipetsc.process.together import together
 
 Result = TypeVar("Result")
@@ -238,7 +237,7 @@ class RunWriter:
         join(run, self._draft, self._about, frames, rows)
         clear(self.folder)
         if run.dimension > 1 and after is None:
-            write_xdmf(run)
+            layout.write_xdmf(run)
 
 
 def view(comm: MPI.Comm, viewer: PETSc.Viewer, name: str, local: Array) -> None:
