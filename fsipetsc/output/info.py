@@ -1,7 +1,7 @@
 """What a result holds, as text: the command `info`, and the summary that a run ends with."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -30,10 +30,11 @@ def info(path: str | os.PathLike[str]) -> str:
     return "\n\n".join(map(table, tables))
 
 
-def table(rows: Rows) -> str:
-    """Write names and texts below each other."""
-    width = max(len(name) for name, _ in rows) + 2
-    return "\n".join(f"{name:{width}}{value}".rstrip() for name, value in rows)
+def table(rows: Iterable[Iterable[object]], justify: Any = str.ljust) -> str:
+    """Write rows below each other, in columns two blanks apart."""
+    cells = [[str(cell) for cell in row] for row in rows]
+    widths = [max(map(len, column)) for column in zip(*cells)]
+    return "\n".join("  ".join(map(justify, line, widths)).rstrip() for line in cells)
 
 
 def _overview(run: Run) -> Rows:

@@ -19,11 +19,12 @@ from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import Option
 from fsipetsc.output.differences import common_nodes
+from fsipetsc.output.info import table
 from fsipetsc.output.quantities import unit_of
 from fsipetsc.output.reader import Run
 from fsipetsc.process.together import Comm, together
 from fsipetsc.studies import trials
-from fsipetsc.studies.tables import Study, listed_in, text_table
+from fsipetsc.studies.tables import Study, listed_in
 from fsipetsc.studies.trials import Row, Trial
 
 #: what -fsi_h is multiplied with for the grids of a study: in one dimension with an exact solution,
@@ -85,7 +86,7 @@ def convergence(arguments: list[str], comm: Comm) -> None:
                     cost = f"{points:>8.0f} points{steps:>8.0f} steps{seconds:>9.2f} s"
                     study.say(f"{OPERATORS[order].name}  h = {h:<9.6g}{cost}")
             rows = rows_of(case.NAME, trial, opt, exact, runs)
-            study.say("\n" + text_table(trials.HEAD, [row.cells for row in rows]))
+            study.say("\n" + table([trials.HEAD, *(row.cells for row in rows)], str.rjust))
             costs = [[run.summary[name] for name in COST] for run in runs.values()]
             for row in rows:
                 lines += [[*a, *b] for a, b in zip(row.lines(comm.size, source), costs)]

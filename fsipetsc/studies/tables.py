@@ -12,6 +12,7 @@ from typing import Any
 from fsipetsc.errors import InputError
 from fsipetsc.options import read_options, read_table
 from fsipetsc.output.file_layout import check_folder, writing
+from fsipetsc.output.info import table
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import Comm, done_asleep, together
 
@@ -56,7 +57,7 @@ class Study:
     def table(self, head: Sequence[str], rows: Sequence[Sequence[object]], spec: str) -> None:
         """Print and write a table of rank 0; spec: format of the numbers that are printed."""
         cells = [[format(v, spec) if isinstance(v, float) else v for v in row] for row in rows]
-        self.say(text_table(head, cells))
+        self.say(table([head, *cells], str.rjust))
         self.save(head, rows)
         self.say(f"\nsaved {self.path}")
 
@@ -75,14 +76,6 @@ class Study:
         with self.on_first(made) or nullcontext() as folder:
             yield Path(self.comm.bcast(folder))
             done_asleep(self.comm.Ibarrier())  # other ranks may still read
-
-
-def text_table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Columns that end below each other, two blanks apart."""
-    cells = [head, *([str(cell) for cell in row] for row in rows)]
-    widths = [max(map(len, column)) for column in zip(*cells)]
-    lines = ["  ".join(map(str.rjust, line, widths)) for line in cells]
-    return "\n".join(line.rstrip() for line in lines)
 
 
 def listed_in(allowed: Sequence[int]) -> Callable[[Sequence[int]], str | None]:

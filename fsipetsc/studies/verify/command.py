@@ -12,8 +12,9 @@ from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import RUN, Option
 from fsipetsc.output.file_layout import writing
+from fsipetsc.output.info import table
 from fsipetsc.process.together import Comm
-from fsipetsc.studies.tables import Study, text_table
+from fsipetsc.studies.tables import Study
 from fsipetsc.studies.trials import COLUMNS, ENTRIES, HEAD, Entry, Row, Trial, picture
 
 SECTIONS = {
@@ -53,8 +54,8 @@ def verify(arguments: list[str], comm: Comm) -> None:
         lines += [line for row in rows for line in row.lines(comm.size, source)]
         study.save(COLUMNS, lines)  # and again after each entry
         study.on_first(partial(_show, study, name, title[2:], rows))
-        table = text_table(HEAD, [row.cells for row in rows])
-        study.say((table if rows else "only with -verify_level full") + "\n")
+        found = table([HEAD, *(row.cells for row in rows)], str.rjust)
+        study.say((found if rows else "only with -verify_level full") + "\n")
         counts += Counter(row.verdict for row in rows)
     short = counts["falls short"]
     said = f"{counts['converges']} converge, {counts['holds']} hold, {short} fall short"
