@@ -101,7 +101,7 @@ def _main(arguments: list[str]) -> int:
         first = arguments[0] if arguments else "-help"
         by_one = first in COMMANDS and COMMANDS[first].by_one
         if by_one or not (HELP_FLAGS | _VERSION_FLAGS).isdisjoint([first, *arguments]):
-            if launcher_rank() == 0:
+            if not launcher_rank():
                 _answer(first, arguments[1:])
         else:
             world = start_mpi(alone=True)

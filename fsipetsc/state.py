@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -15,18 +15,6 @@ from fsipetsc.scheme.runge_kutta import FRACTIONS, STAGES
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
 FAULT = 1000.0
-
-
-class Seen(NamedTuple):
-    """What a rank sees of a layer. numbers: of the points, (n,), as they count over all ranks;
-    values: field -> (n,), those first of which others are made; x, X: (n, d) places.
-    """
-
-    layer: int
-    numbers: np.ndarray
-    values: Mapping[str, np.ndarray]
-    x: np.ndarray
-    X: np.ndarray
 
 
 class State:
@@ -50,6 +38,8 @@ class State:
         owned(k), numbers(k)  (M, unknowns), a view of the solution at the points of this rank; (M,)
         fields(k), compared(kind)  names of what is saved of a point, of what has exact solutions
         powers(k, names, t, power)  integrals of |difference|^power over this rank's part
+        seen()          of each layer here its number; (n,) numbers of points, as they count over
+                        all ranks; field -> (n,), those first of which others are made; x, X (n, d)
         more(), take(arrays)  what a checkpoint has beside layers and results, on rank 0
 
     results: flags and limits of the last step, batch: fsipetsc.scheme.plan. journal: records of
@@ -79,6 +69,11 @@ class State:
             self._made[key] = Calls(self._library, self.phase(name, n, f))
         self._made[key]()
 
+    def _fail(self, error: FsiError) -> None:
+        """Let a rank whose data are wrong go on, so that others do not wait for its messages."""
+        self.fault = self.fault or error
+        self.results[plan.SAID_STOP] = FAULT
+
     def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
         """f = dy/dt of this rank's part y, which stays as it is, for the data set last."""
         self.evaluations += 1
@@ -105,17 +100,16 @@ class State:
     def keep(self) -> None:
         self._kept = [array.copy() for array in self.changing]
 
-    def step(self, t: float, dt: float) -> None:
-        """Make a step dt [s] of the classical Runge-Kutta method from the completed solution at
-        t [s], and the others of its batch, which are one call of C.
+    def step(self) -> None:
+        """Make the step that is planned from the completed solution, by the classical Runge-Kutta
+        method, and the others of its batch, which are one call of C.
         """
-        self.batch[[plan.TIME, plan.DT]] = t, dt
         self.keep()
         if self.asks:
-            self._advance(t, dt)
+            self._advance()
             self.planning()
         else:
-            self.set_data(t)
+            self.set_data(float(self.batch[plan.TIME]))
             self._whole_step(self.results[plan.BAD :], self.batch[plan.ALLOWED :])
             self.show(STAGES)
         self.evaluations += STAGES * max(1, int(self.batch[plan.MADE]))
@@ -124,17 +118,17 @@ class State:
         """Make the step that is planned in so many equal parts; what is noted is one step."""
         t, dt = self.batch[[plan.TIME, plan.DT]].tolist()
         for part in range(parts):
-            times = t + dt * part / parts, dt / parts
-            self.batch[[plan.TIME, plan.DT]] = times  # which stages read
-            self._advance(*times, ends=part == parts - 1)
+            self.batch[[plan.TIME, plan.DT]] = t + dt * part / parts, dt / parts
+            self._advance(ends=part == parts - 1)
         self.batch[[plan.TIME, plan.DT]] = t, dt
         self.planning()
         self.evaluations += STAGES * parts
 
-    def _advance(self, t: float, dt: float, look: Any = None, ends: bool = True) -> Any:
+    def _advance(self, look: Any = None, ends: bool = True) -> Any:
         """Make a step; it ends where look(), called with each new stage shown, finds something.
         ends: complete the solution after it.
         """
+        t, dt = self.batch[[plan.TIME, plan.DT]].tolist()
         for n, part in enumerate(FRACTIONS):
             self.set_data(t + part * dt)
             self._do("fulfil", n)
@@ -159,7 +153,7 @@ class State:
         from there. None if it finds nothing. InputError for data that are wrong.
         """
         while True:
-            found = self._advance(*self.batch[[plan.TIME, plan.DT]].tolist(), look)
+            found = self._advance(look)
             agree(self.comm, self.fault)
             if found:
                 return found
@@ -221,25 +215,20 @@ class State:
             found[kind] = {**of_names, "combined": float(total.sum() ** (1 / power))}
         return found
 
-    def capture(self) -> dict[str, np.ndarray] | None:
-        """What a step depends on, on rank 0: whole layers, (…, n_1, n_0, unknowns), so that it does
-        not depend on who had what, and the results of the last step.
+    def capture(self) -> dict[str, Any] | None:
+        """What a step depends on, on rank 0: whole layers, (points, unknowns), so that it does not
+        depend on who had what, and the results of the last step.
         """
-        arrays = {}
-        for k, shape in enumerate(self.shapes):
-            found = whole(self.comm, self.numbers(k), self.owned(k))
-            if found is not None:
-                arrays[f"layer{k}"] = found.reshape(*shape[::-1], -1)
-        known = {"results": self.results.copy(), "latest": self.latest_numbers.copy()}
-        every = {**arrays, **self.more(), **known}
-        return every if self.comm.rank == 0 else None
+        layers = range(len(self.shapes))
+        found = {f"layer{k}": whole(self.comm, self.numbers(k), self.owned(k)) for k in layers}
+        found |= {**self.more(), "results": self.results, "latest": self.latest_numbers}
+        return found if self.comm.rank == 0 else None
 
     def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> None:
         """Be at time t [s] what ``capture`` told of, which all ranks know. InputError."""
         self.results[:], self.latest_numbers[:] = arrays["results"], arrays["latest"]
         for k in self.parts:
-            own = self.owned(k)
-            own[:] = arrays[f"layer{k}"].reshape(-1, own.shape[1])[self.numbers(k)]
+            self.owned(k)[:] = arrays[f"layer{k}"][self.numbers(k)]
         self.take(arrays)
         self.set_data(t)
         self.begin()

@@ -5,12 +5,13 @@ from mpi4py import MPI
 
 from fsipetsc import Block, BlockProblem, Fluid
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
-from fsipetsc.blockrun.saved import gained, slices
+from fsipetsc.blockrun.saved import gained
 from fsipetsc.blocks.conditions import Roller, Slip
 from fsipetsc.blocks.maps import nodes, rectangle
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.particles.members import particles_of
 from fsipetsc.particles.prescribed import Prescribed
+from fsipetsc.scheme.plan import DT, TIME
 
 #: cells along an axis
 N = 7
@@ -19,21 +20,22 @@ CLOSED = {"gas": Slip(), "solid": Roller()}
 
 
 class Steps(BlockState):
-    """A problem in time by RK4, on one rank. came: what has come in, as columns of ``gained``.
+    """A problem in time by RK4, on one rank. came: what has come in, column by column.
 
     apart: each stage is a call of its own, as where data depend on time."""
 
     def __init__(self, problem, order=2, form=BlockForm(), apart=False):  # noqa: B008
         super().__init__(MPI.COMM_SELF, problem, order, form)
-        self.phases.asks |= apart
-        self.t, self._at = 0.0, slices(gained(problem))
+        self.asked |= apart
+        self.t, self._at = 0.0, gained(problem)
         self.came = np.zeros(self.layout.auxiliary)
         self.set_initial()
         self.finish()
 
     def step(self, dt, steps=1):
         for _ in range(steps):
-            super().step(self.t, dt)
+            self.batch[[TIME, DT]] = self.t, dt
+            super().step()
             self.t += dt
             self.came += self.latest_numbers[-self.came.size :]
 
@@ -67,13 +69,13 @@ class Steps(BlockState):
 def complete(state, t, y):
     """Let a vector obey all conditions at time t."""
     state.set_data(t)
-    state.project(y.array)
+    state.project(y)
 
 
 def rates(state, t, y, f):
     """f = dy/dt of a completed vector."""
     state.set_data(t)
-    state.right_hand_side(y.array, f)
+    state.right_hand_side(y, f)
 
 
 def check_motion(problem, step):

@@ -142,7 +142,7 @@ def test_what_completion_takes(faces, heat, mu):
     with Steps(problem_of(shape, faces, gas(mu=mu), solid(heat=heat), solid=straight)) as run:
         rng = np.random.default_rng(1)
         for k, block in enumerate(run.problem.blocks):
-            q = run.y.owned(k)
+            q = run.owned(k)
             if block.kind == "fluid":
                 q[:, 1] *= rng.uniform(0.9, 1.1, len(q))
             size = q[:, :1] if block.kind == "fluid" else 1.0
@@ -156,5 +156,5 @@ def test_what_completion_takes(faces, heat, mu):
         # walls across themselves, clamps, rollers, data
         assert np.abs(came if panel else came[1:3]).min() > 1e-5
         if not panel:  # at the ends of the interface
-            u, v = run.y.owned(1)[[0, N], 2:4].T
+            u, v = run.owned(1)[[0, N], 2:4].T
             assert np.allclose(u, 0.0, atol=1e-12) and np.abs(v).min() > 1e-3

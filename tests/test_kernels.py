@@ -208,7 +208,7 @@ from test_kernels import simple, twice
 from fsipetsc.errors import FsiError
 from fsipetsc.kernels import build
 from fsipetsc.kernels.kernel import unit
-from fsipetsc.process.libraries import libraries
+from fsipetsc.process.together import libraries
 if comm.rank == 1:
     build.keep(simple()[1], *build.made([simple()[0]]))
 comm.Barrier()

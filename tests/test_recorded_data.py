@@ -35,17 +35,17 @@ def data_of(state):
     faces = [of for part in parts for of in vars(part.faces.record).values()]
     faces = [of for of in faces if isinstance(of, np.ndarray)]
     forcing = [part.forcing for part in parts if part.forcing is not None]
-    prescribed = state.phases.particles.prescribed
+    prescribed = state.particles.prescribed
     return [*prescribed.data, *faces, *forcing]
 
 
 def asked_and_recorded(state, t):
     """The data at time t as Python has them, and as they are recorded."""
-    assert not state.asks, state.phases.not_recorded
+    assert not state.asks, state.not_recorded
     state.set_initial()
     complete(state, t, state.y)
     recorded = [array.copy() for array in data_of(state)]
-    state.phases.particles.prescribed.refresh(t)
+    state.particles.prescribed.refresh(t)
     for part in state.parts.values():
         part.refresh(t)
     return [array.copy() for array in data_of(state)], recorded
@@ -57,7 +57,7 @@ def test_recorded_data_are_those_of_python(kind, t):
     """But for derivatives of motions that are not given, to a few times round-off."""
     state = state_of(timed.build(USUAL | {"timed_kind": kind}))
     asked, recorded = asked_and_recorded(state, t)
-    data = state.phases.particles.prescribed.data
+    data = state.particles.prescribed.data
     rates = {data._fields.index(name) for name in ("wall", "wall_rate", "clamp_rate")}
     changed = 0
     for number, (one, other) in enumerate(zip(asked, recorded, strict=True)):
@@ -76,8 +76,8 @@ def test_velocity_and_acceleration_of_a_wall_are_exact_derivatives(t):
         state = state_of(at_wall(x, velocity, lambda t: 1.0 + 0.1 * t))
         _, _ = asked_and_recorded(state, t)
         complete(state, t, state.y)
-        prescribed = state.phases.particles.prescribed
-        (p,) = np.flatnonzero(state.phases.particles.record.moves)
+        prescribed = state.particles.prescribed
+        (p,) = np.flatnonzero(state.particles.record.moves)
         found = (array[p, 0] for array in prescribed.data[:3])
         wanted = x(t), v(t), -w * w * x(t)
         np.testing.assert_allclose(list(found), wanted, rtol=1e-15, atol=2e-16)
@@ -98,12 +98,12 @@ def test_python_is_asked_for_other_functions(name):
     """The wall goes where it should, and a note says why they are asked for."""
     x, why = NOT_RECORDED[name]
     state = state_of(at_wall(x, T=lambda t: 1.0))
-    assert state.asks and why in state.phases.not_recorded[0]
+    assert state.asks and why in state.not_recorded[0]
     state.set_initial()
     state.finish()
     assert "in each stage" in asked_data(state)[0] and why in asked_data(state)[0]
     complete(state, 0.3, state.y)
-    found = state.phases.particles.record
+    found = state.particles.record
     assert found.data.place[found.moves == 1, 0] == x(0.3)
 
 

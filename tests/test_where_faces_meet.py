@@ -86,8 +86,8 @@ def test_shear_beside_a_wall_along_which_the_gas_slips():
     upper = NoSlip(x=lambda X, Y, t: (X + t, Y), velocity=lambda X, Y, t: (1.0 + 0.0 * X, 0.0))
     faces = {("gas", 1, 0): NoSlip(slip_length=length), ("gas", 1, 1): upper}
     with Steps(BlockProblem((layer,), faces)) as run:
-        f = np.zeros_like(run.y.array)
-        run.right_hand_side(run.y.array.copy(), f)
+        f = np.zeros_like(run.y)
+        run.right_hand_side(run.y.copy(), f)
         rates = f[: f.size - run.layout.auxiliary].reshape(5, -1).T
         assert np.abs(rates[:, 2]).max() < 1e-13
         run.step(1e-3, 3)

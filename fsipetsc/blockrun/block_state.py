@@ -10,20 +10,25 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.blockrun import saved
-from fsipetsc.blockrun.gas_part import loose_gases
-from fsipetsc.blockrun.phases import Phases
+from fsipetsc.blockrun.parts import GasPart, SolidPart, loose_gases
+from fsipetsc.blockrun.phases import calls, phases, procedures_of_steps
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.checks import block_values, checked, names_of
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
+from fsipetsc.kernels.procedure import Code
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
-from fsipetsc.process.together import agree, together
+from fsipetsc.parallel.block_layout import BlockLayout
+from fsipetsc.parallel.exchange import Reduction, exchange_text
+from fsipetsc.particles.members import particles_of
+from fsipetsc.particles.system import ParticleSystem
+from fsipetsc.process.together import agree, libraries, together
 from fsipetsc.scheme.monitor import MONITORED
 from fsipetsc.scheme.observables import PLACES, VELOCITIES
-from fsipetsc.scheme.plan import SAID_STOP
+from fsipetsc.scheme.plan import RATE
+from fsipetsc.scheme.recorded_data import Recorder
 from fsipetsc.scheme.runge_kutta import STAGES
-from fsipetsc.state import FAULT, Seen, State
+from fsipetsc.state import State
 
 #: by order: how much shorter steps are with dissipation of strength 1 at shocks. That alone is a
 #: number of -1.6 at Courant number 0.8, of 2.785 that the classical method bears; next to the ends
@@ -48,7 +53,8 @@ class BlockState(State):
 
     y: this rank's part of the solution. bounds: (blocks, 2), largest rates of convection and
     diffusion [1/s]; h: size of the smallest cells [m]. loose: gases on which a constant force acts
-    node by node.
+    node by node. asked: some data depend on time, and not all of these are recorded, so that Python
+    is asked for them; not_recorded: why, on this rank.
     """
 
     MOST_PARTS = 16
@@ -65,47 +71,127 @@ class BlockState(State):
         announce: Callable[[str], None] = lambda text: None,
     ) -> None:
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
-        self.h = problem.spacing
-        self.loose = loose_gases(problem, form.convection)
-        shocks, auxiliary = form.shock > 0.0, saved.gained(problem).itemsize // 8
-        self.layout = BlockLayout(comm, problem, order, shocks, partition, auxiliary)
-        self._now = [BlockVector(self.layout) for _ in range(STAGES)]  # the solution, and stages
-        self.y = self._now[0]
-        size = (self.layout.local_size, None)
-        self.solution = PETSc.Vec().createWithArray(self.y.array, size=size, comm=comm)
-        self.recorded = recorded
+        self.h, self.recorded = problem.spacing, recorded
+        self.loose, gain = loose_gases(problem, form.convection), saved.gain_of(problem)
+        of_layout = order, form.shock > 0.0, partition, gain.numbers.size
+        self.layout = layout = BlockLayout(comm, problem, *of_layout)
+        self.shapes = layout.shapes
+        self._now = [zeros(layout.local_size) for _ in range(STAGES)]  # the solution, and stages
+        self.y = self._shown = self._now[0]
+        size = (layout.local_size, None)
+        self.solution = PETSc.Vec().createWithArray(self.y, size=size, comm=comm)
         self._lay_journal(saved.step_record(problem, len(recorded)))
-        self.changing = self.y.array, self.results, self.batch
+        self.changing = self.y, self.results, self.batch
         self.bounds = np.zeros((len(problem.blocks), 2))
+        kinds = {"fluid": GasPart, "solid": SolidPart}
+
+        def make() -> dict[int, Any]:
+            of = layout.parts.items()
+            return {k: kinds[problem.blocks[k].kind](layout, part, order, form) for k, part in of}
+
+        self.parts = together(comm, make)  # a grid or a prestress may be wrong on some ranks
+        self._gases = [part for part in self.parts.values() if part.block.kind == "fluid"]
+        particles = particles_of(problem)
+        solids = {k: part for k, part in self.parts.items() if part.block.kind == "solid"}
+        inertia = {k: part.inertia for k, part in solids.items()}
+        self.particles = ParticleSystem(layout, particles, inertia, self._instant)
+        for k, part in self.parts.items():
+            part.at_particles = self.particles.faces_at(k)
+        for gas in self._gases:
+            gas.follow(particles, self.particles)
+        self._compile(gain, max(1.0, form.shock * PACE_AT_SHOCKS[order]), announce)
+        nodes = ((number, node) for number, node in enumerate(recorded) if node.block in self.parts)
+        self._noted = [
+            (number, node, row)
+            for number, node in nodes
+            for row in self.parts[node.block].part.rows_among(np.array([node.node])).tolist()
+        ]
+
+    def _compile(self, gain: Any, pace: float, announce: Callable[[str], None]) -> None:
+        """Record all procedures, load them, and list what a step calls. InputError."""
+        comm, layout, parts = self.comm, self.layout, self.parts.values()
         at = saved.slices(self.latest.dtype)
-        first, last = (at.get(saved.OF_INTERFACES[k], slice(0, 0)) for k in (0, -1))
-        ends = self.latest_numbers[first.start : last.stop]
+        ends = [self.latest_numbers[at.get(name, slice(0))] for name in saved.OF_INTERFACES]
         found = SimpleNamespace(
-            y=self.y.array,
-            stages=tuple(stage.array for stage in self._now[1:]),
-            total=zeros(self.layout.local_size),
-            gain=saved.gain_of(problem),
-            extremes=np.zeros(1 + MONITORED * len(problem.blocks)),
+            y=self.y,
+            stages=tuple(self._now[1:]),
+            total=zeros(layout.local_size),
+            gain=gain,
+            extremes=np.zeros(1 + MONITORED * len(self.problem.blocks)),
             rates=self.bounds,
             results=self.results,
             latest=self.latest_numbers,
-            at_ends=ends.reshape(len(saved.OF_INTERFACES), -1),
-            pace=max(1.0, form.shock * PACE_AT_SHOCKS[order]),
+            at_ends=tuple(ends),
+            pace=pace,
             plan=self.plan,
             time=np.zeros(1),
             stage=np.zeros(2),
-            left=np.empty((0, 2), np.int64),  # known once there are parts
+            left=self._left(),
         )
-        self.phases = Phases(self.layout, order, form, found, self.latest.dtype, announce)
-        self._take_calls(self.phases.calling.library, self.phases.does["plan_next"])
-        self.shapes, self.parts = self.layout.shapes, self.phases.parts
-        self._noted = [
-            (number, node, row)
-            for number, node in enumerate(recorded)
-            if node.block in self.parts
-            for row in self.parts[node.block].part.rows_among(np.array([node.node])).tolist()
+        self._time = found.time
+        begins = {name: where.start for name, where in at.items()}
+        about = self.particles, found, begins
+        codes = together(comm, lambda: [part.record(*about) for part in parts])
+        calling = Code(exchange_text())
+        does: dict[str, Any] = procedures_of_steps(calling, found)
+        timed = () if self.problem.steady_data else (*parts, self.particles.prescribed)
+        recorders = [Recorder(part.sources) for part in timed]
+        self._ask([why for recorder in recorders for why in recorder.refused])
+        made = [recorder.code(found.time) for recorder in recorders if not self.asked]
+        data = [code for code in made if code is not None]
+        codes += [*data, self.particles.procedures(gain), calling]
+        texts = [code.text for code in codes]
+        for code, library in zip(codes, libraries(comm, texts, announce), strict=True):
+            code.load(library)
+        does["reduce"] = Reduction(comm, found.extremes)
+        self._exchanges = [
+            *(layout.halos, self.particles.sums, self.particles.areas, self.particles.stored),
+            *(part.inside for part in layout.parts.values()),
+            *(gas.gather for gas in self._gases),
         ]
-        self._shown = self.y
+        for exchange in (*self._exchanges, does["reduce"]):
+            exchange.load(calling.library)
+        self._data = [code.procedures[0] for code in data]
+        if not self.asked:  # as data of a wall that begins with an infinite acceleration
+            self._fill(0.0)
+            bad = [what for recorder in recorders for what in recorder.faulty()]
+            self._ask([f"{what}: it is not finite at t = 0" for what in bad])
+        self.particles.begin()
+        for gas in self._gases:
+            gas.begin()
+        self._lists = phases(layout, [*parts], self.particles, does, self._data)
+        self._take_calls(calling.library, does["plan_next"])
+
+    def _left(self) -> np.ndarray:
+        """(runs, 2) of the numbers of this rank's part of a world vector with rates that something
+        adds to after a sweep.
+        """
+        left = np.ones(self.layout.local_size, bool)
+        for k, part in self.parts.items():
+            patch = part.part.patch
+            free = (slice(a - n, b - n) for (a, b), n in zip(part.free, patch.first, strict=True))
+            planes = self.layout.owned(k, left).T.reshape(-1, *patch.own[::-1])
+            planes[(..., *[*free][::-1])] = False
+        ends = np.flatnonzero(np.diff(left, prepend=False, append=False))
+        return ends.reshape(-1, 2).astype(np.int64)
+
+    def _ask(self, why: list[str]) -> None:
+        """Let Python be asked for data if a rank has a reason. Collective."""
+        self.not_recorded, self.asked = why, self.comm.allreduce(bool(why), MPI.LOR)
+
+    def _instant(self) -> float:
+        """A time [s] in which little happens, for differences in time: a power of two, so that it
+        is the same in most steps, and data need not be asked for again where the next step begins.
+        """
+        rate = float(self.results[RATE])
+        _, power = math.frexp(0.25 / rate if 0.0 < rate < np.inf else 1e-3 * self.h)
+        return math.ldexp(0.25, power)
+
+    def _fill(self, t: float) -> None:
+        """Let C fill the recorded data at time t [s]."""
+        self._time[0] = t
+        for procedure in self._data:
+            procedure()
 
     def check_data(self, t_end: float | None = None) -> None:
         """Fill the solution with the data of the case at t = 0. InputError for what its functions
@@ -115,12 +201,12 @@ class BlockState(State):
 
         def fill() -> None:
             for k, part in self.parts.items():
-                part.initial(0.0, self.y.owned(k))
+                part.initial(0.0, self.owned(k))
                 if part.block.exact is not None:
                     block_values(part.block, "exact", part.X[:, part.owned], 0.0)
             self.set_data(0.0)
             if t_end is not None:
-                self.phases.particles.prescribed.check_motion(t_end)
+                self.particles.prescribed.check_motion(t_end)
 
         together(self.comm, fill)
 
@@ -129,50 +215,47 @@ class BlockState(State):
         at the same density, velocity and temperature; gas at walls gets their velocity. InputError.
         """
         self.check_data()
-        self.y.auxiliary[:] = 0.0
+        self._auxiliary[:] = 0.0
         self.set_data(0.0)
         self._do("share", STAGES)
         self._do("grid", STAGES)
-        for gas in self.phases.gases:
-            k = gas.part.k
-            gas.stretch(self.y.owned(k))
-            gas.impose_velocities(self.y.owned(k), *self.phases.particles.at_walls(k))
+        for gas in self._gases:
+            gas.begin_at_walls(self.owned(gas.part.k), *self.particles.at_walls(gas.part.k))
         agree(self.comm, self.fault)
 
     def set_data(self, t: float) -> None:
         """Let data be those at time t [s]. InputError the first time; later ones are the fault:
         the rank goes on with the data before, so that others do not wait for its messages.
         """
-        phases, first = self.phases, self._filled is None
-        instant = t, phases.instant()
-        if first or (phases.asks and not phases.steady and instant != self._filled):
+        first, instant = self._filled is None, (t, self._instant())
+        if first or (self.asked and instant != self._filled):
             self._filled = instant
             try:
-                phases.refresh(t)
+                for one in (self.particles.prescribed, *self.parts.values()):
+                    one.refresh(t)
             except InputError as error:
                 if first:
                     raise
-                self.fault = self.fault or error
-                self.results[SAID_STOP] = FAULT
-        if not phases.asks:
-            phases.fill(t)
+                self._fail(error)
+        if not self.asked:
+            self._fill(t)
 
     @property
     def asks(self) -> bool:
         """Python is asked for data at each stage, or for what is recorded of nodes."""
-        return self.phases.asks or bool(self.recorded)
+        return self.asked or bool(self.recorded)
 
     def load(self, n: int, y: np.ndarray) -> None:
         if n < STAGES:
-            self._now[n].array[:] = y
+            self._now[n][:] = y
 
     def unload(self, n: int, y: np.ndarray) -> None:
-        y[:] = self._now[n].array
+        y[:] = self._now[n]
 
     def phase(self, name: str, n: int, f: np.ndarray | None = None) -> list[Any]:
-        now, after = (self._now[k % STAGES].array for k in (n, n + 1))
-        numbered = f"{name}_{n}" if name in ("advance", "data") else name
-        return self.phases.calls(numbered, now, after if f is None else f)
+        now, after = (self._now[k % STAGES] for k in (n, n + 1))
+        listed = self._lists[f"{name}_{n}" if name in ("advance", "data") else name]
+        return calls(listed, now, after if f is None else f)
 
     def show(self, n: int) -> None:
         self._shown = self._now[n % STAGES]
@@ -181,31 +264,35 @@ class BlockState(State):
     def complete(self) -> None:
         super().complete()
         self._do("inside", STAGES)
+        self._shown = self.y
         saved.note_nodes(self, self._noted)
 
     def begin(self) -> None:
-        for gas in self.phases.gases:
+        for gas in self._gases:
             gas.volume.rows[:] = 0.0  # no NaN may stay there for another step
-        self.load(1, self.y.array)
+        self.load(1, self.y)
         self._do("fulfil", 1)
         self.show(0)
 
     def repeat(self, look: Callable[[], Any]) -> Any:
         """As of any state; Python is asked for recorded data, as it says what is wrong."""
-        self.phases.asks, self._filled = not self.phases.steady, (np.inf, 0.0)
+        self.asked, self._filled = not self.problem.steady_data, (np.inf, 0.0)
         return super().repeat(look)
+
+    @property
+    def _auxiliary(self) -> np.ndarray:
+        return self.y[self.y.size - self.layout.auxiliary :]
 
     def more(self) -> Mapping[str, np.ndarray]:
         """The auxiliary unknowns of all ranks, added up, by the name that files have."""
-        every = self.comm.gather(self.y.auxiliary) or []
+        every = self.comm.gather(self._auxiliary) or []
         return {"behind": sum(every, np.zeros(self.layout.auxiliary))}
 
     def take(self, arrays: Mapping[str, np.ndarray]) -> None:
         behind = arrays["behind"]  # asked for on all ranks, so that all fail alike
-        self.y.auxiliary[:] = behind if self.comm.rank == 0 else 0.0
+        self._auxiliary[:] = behind if self.comm.rank == 0 else 0.0
 
     def header(self) -> dict[str, Any]:
-        """What a result file says of blocks, interfaces, and nodes recorded at each step."""
         found, problem = super().header(), self.problem
         interfaces = range(len(problem.interfaces))
         for layer, block in zip(found["layers"], problem.blocks, strict=True):
@@ -222,18 +309,17 @@ class BlockState(State):
         places, natural = self.problem.places, self.layout.natural
         return [places(k, natural(k)) for k in range(len(self.shapes))]
 
-    def seen(self) -> Iterator[Seen]:
-        """Values at this rank's nodes, block by block."""
+    def seen(self) -> Iterator[Any]:
         problem, d = self.problem, self.problem.dimension
         for k, part in self.parts.items():
             columns = dict(zip(part.names, self.saved(k).T, strict=True))
             names = "J", "rho", *VELOCITIES[:d], "T"
             if part.block.kind == "solid":  # T of a law of J < 0 is no number: J says more
-                columns["J"] = part.volume_ratio
+                columns["J"] = part.equations.volume(tuple(part.F))
                 names = "J", *PLACES[:d], *VELOCITIES[:d], "T"
             values, numbers = {name: columns[name] for name in names}, part.part.numbers
             x = np.stack([columns[name] for name in PLACES[:d]], axis=1)
-            yield Seen(k, numbers, values, x, problem.places(k, numbers))
+            yield k, numbers, values, x, problem.places(k, numbers)
 
     def compared(self, kind: str) -> tuple[str, ...]:
         """What is compared of a kind of block: stresses where all solids have an exact_stress."""
@@ -259,7 +345,14 @@ class BlockState(State):
         return np.array([np.sum(w * np.abs(known[name] - value) ** power) for name, value in pairs])
 
     def owned(self, k: int) -> np.ndarray:
-        return self.y.owned(k)
+        return self.layout.owned(k, self.y)
+
+    def ghosted(self, k: int) -> np.ndarray:
+        """(N, unknowns) of block k that is shown: with halos as they were filled last, or without
+        halos the owned nodes.
+        """
+        part = self.layout.parts[k]
+        return part.local.T if part.has_halo else self.layout.owned(k, self._shown)
 
     def numbers(self, k: int) -> np.ndarray:
         return self.parts[k].part.numbers if k in self.parts else np.empty(0, np.int64)
@@ -280,7 +373,7 @@ class BlockState(State):
 
     def saved(self, k: int) -> np.ndarray:
         """(M, columns) of ``fields``: what is saved of this rank's nodes of block k."""
-        return self.parts[k].fields(self._shown.ghosted(k))
+        return self.parts[k].fields(self.ghosted(k))
 
     def save(self) -> dict[int, np.ndarray]:
         """What is saved of this rank's nodes: number of a block -> (local, columns), to be copied
@@ -290,6 +383,6 @@ class BlockState(State):
         return {k: self.layout.in_order(k, array) for k, array in enumerate(here)}
 
     def destroy(self) -> None:
-        self.phases.destroy()
+        for exchange in self._exchanges:
+            exchange.destroy()
         self.solution.destroy()
-        self.layout.destroy()

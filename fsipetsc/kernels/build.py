@@ -54,6 +54,8 @@ MISSING = (
 
 #: whether this process says that it cannot keep libraries; of several ranks the first one does
 tells = True
+#: whether the first rank keeps the texts in C, too, and says where (-fsi_debug)
+keeps_text = False
 _loaded: dict[str, ctypes.CDLL] = {}
 
 

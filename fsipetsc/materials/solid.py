@@ -87,7 +87,7 @@ class ElasticSolid:
         has not d numbers.
 
         In three dimensions, around an axis or a centre, and of a law of a case faces have p_ref,
-        not the stress (fsipetsc.blockrun.face_terms): a solid under p_ref is at rest exactly.
+        not the stress (fsipetsc.blockrun.block_part): a solid under p_ref is at rest exactly.
         """
         force, law = force_in(self.force, d, "ElasticSolid"), self.solid_law
         coupled = self.heat == "coupled"

@@ -26,7 +26,6 @@ from fsipetsc.paper.stencils import halo_of_rates
 from fsipetsc.parallel.block_shares import Extent, Share, share_out
 from fsipetsc.parallel.exchange import Route
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer, check_place
-from fsipetsc.state import Seen
 
 #: kind of layer -> unknowns of a point
 DOF = {"fluid": 3, "solid": 4}
@@ -228,7 +227,7 @@ class Layer(SimpleNamespace):
         apart = self.saved()[counted, : len(exact)].T - exact[:, counted]
         return self.h * np.sum(np.abs(apart) ** power, axis=1)
 
-    def seen(self) -> Seen:
+    def seen(self) -> tuple[Any, ...]:
         """Values at the active ones."""
         own = self.mine
         if self.is_gas:
@@ -242,7 +241,7 @@ class Layer(SimpleNamespace):
             p = self.material.pressure(T, x_X)
             modulus = self.material.wave_modulus(T, p, np.minimum(sigma, p), x_X)
             values = {"x": x, "x_X": x_X, "u": u, "sigma": sigma, "T": T, "m0 c^2": modulus}
-        return Seen(self.number, self.numbers[own], values, x[:, None], self.X[own, None])
+        return self.number, self.numbers[own], values, x[:, None], self.X[own, None]
 
 
 def layers_of(

@@ -30,11 +30,10 @@ from fsipetsc.paper.coupling import couple, interface_of, note
 from fsipetsc.paper.layers import check_ends, check_form, layers_of, routes_of, swapped
 from fsipetsc.parallel.exchange import Exchange, Reduction, exchange_text
 from fsipetsc.problem import Problem, SolidLayer
-from fsipetsc.process.libraries import libraries
-from fsipetsc.process.together import agree, together
-from fsipetsc.scheme.plan import EXHAUSTED, SAID_STOP, TOO_SHORT, plan_next, step_record
+from fsipetsc.process.together import agree, libraries, together
+from fsipetsc.scheme.plan import EXHAUSTED, TOO_SHORT, plan_next, step_record
 from fsipetsc.scheme.runge_kutta import STAGES
-from fsipetsc.state import FAULT, Seen, State
+from fsipetsc.state import State
 
 #: kind of layer -> procedures by name; a lambda of the layer alone, because the recorder would
 #: take fill_ghost's other argument, new=False, for a world vector
@@ -189,7 +188,7 @@ class PaperState(State):
         self._do("stretch", 0)
         return {k: layer.saved() for k, layer in self.parts.items()}
 
-    def seen(self) -> list[Seen]:
+    def seen(self) -> list[Any]:
         """Values at this rank's active points."""
         return [layer.seen() for layer in self.parts.values()]
 
@@ -221,8 +220,7 @@ class PaperState(State):
             for layer in self.parts.values():
                 layer.set_forcing(t)
         except InputError as error:
-            self.fault = self.fault or error
-            self.results[SAID_STOP] = FAULT
+            self._fail(error)
 
     def check_data(self, t_end: float | None = None) -> None:
         """Fill the solution, not projected, with initial data, and ask for all else at t = 0; walls

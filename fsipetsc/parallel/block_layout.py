@@ -11,7 +11,7 @@ Nodes of a block are numbered n = i_0 + N_0 (i_1 + N_1 i_2), and so are those of
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 from math import prod
@@ -28,7 +28,7 @@ from fsipetsc.kernels.arrays import zeros
 from fsipetsc.operators.bands import AXIS, NO_AXIS, Band, Patch
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_shares import Extent, share_out
-from fsipetsc.parallel.exchange import Exchange, Reach, Route, RowExchange, Spans
+from fsipetsc.parallel.exchange import Exchange, Reach, Route, Spans
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -43,8 +43,8 @@ class Part:
 
     patch: its sizes. ghosted: first node and first beyond of the ghosted array along each axis,
     which go on beyond the ends of periodic axes. bands: pair weights of the three axes there.
-    dof: unknowns of a node. begin, end: of its numbers in this rank's part of the world vector.
-    numbers: (M,) of the nodes that it owns. local: (dof, N), the ghosted array; inside: copies the
+    dof: unknowns of a node. begin: of its numbers in this rank's part of the world vector. numbers:
+    (M,) of the nodes that it owns. local: (dof, N), the ghosted array; inside: copies the
     owned nodes there. signs: (dof,) of the unknowns of mirror images, which stand before the first
     nodes of a block with a centre; (0,) where there are none.
     """
@@ -55,7 +55,6 @@ class Part:
     bands: tuple[Band, Band, Band]
     dof: int
     begin: int
-    end: int
     numbers: Numbers
     local: Array
     inside: Exchange
@@ -68,9 +67,7 @@ class Part:
 
     def rows(self, nodes: Numbers) -> Numbers:
         """Places among ``numbers`` of nodes of the block that this rank owns."""
-        found = np.searchsorted(self.numbers, nodes)
-        assert np.array_equal(self.numbers[found], nodes), "a node of another rank"
-        return found
+        return np.searchsorted(self.numbers, nodes)
 
     def rows_among(self, nodes: Numbers) -> Numbers:
         """The same of those nodes that this rank owns; ascending."""
@@ -96,26 +93,20 @@ class BlockLayout:
     """
 
     def __init__(
-        self,
-        comm: MPI.Comm,
-        problem: Any,
-        order: int,
-        shocks: bool = False,
-        partition: str = "auto",
-        auxiliary: int = 0,
+        self, comm: MPI.Comm, problem: Any, order: int, shocks: bool, partition: str, auxiliary: int
     ) -> None:
         self.comm, self.problem, self.order = comm, problem, order
         d, blocks = problem.dimension, problem.blocks
-        self.shapes = [tuple(int(n) for n in block.shape) for block in blocks]
+        self.shapes = [tuple(map(int, block.shape)) for block in blocks]
         self.dofs = [d + 3 if block.kind == "fluid" else 2 * d + 1 for block in blocks]
-        self._widths = [width_of_halo(problem, k, order, shocks) for k in range(len(blocks))]
-        extents = [self._extent(k) for k in range(len(blocks))]
+        widths = [width_of_halo(problem, k, order, shocks) for k in range(len(blocks))]
+        extents = [self._extent(k, width) for k, (width, _) in enumerate(widths)]
         self.shares = share_out(extents, comm.size, partition)
         sizes = (share.nodes(comm.rank).size for share in self.shares)
         self._begins = [0, *accumulate(map(mul, self.dofs, sizes))]
         self.auxiliary, self.local_size = auxiliary, self._begins[-1] + auxiliary
         reaches = {
-            k: Reach(share, blocks[k].periodic, *self._widths[k], problem.centred(k))
+            k: Reach(share, blocks[k].periodic, *widths[k], problem.centred(k))
             for k, share in enumerate(self.shares)
             if comm.rank in share.ranks
         }
@@ -131,12 +122,11 @@ class BlockLayout:
             self.parts[k] = self._part(k, reach, memory[at:], inside_of)
         self.halos = Exchange(comm, HALO_TAG, halos, memory)
 
-    def _extent(self, k: int) -> Extent:
+    def _extent(self, k: int, halo: int) -> Extent:
         """A block as its partition sees it. InputError where it has too few nodes, or more numbers
         than PETSc can count.
         """
         block, shape, op = self.problem.blocks[k], self.shapes[k], OPERATORS[self.order]
-        halo, _ = self._widths[k]
         for axis, (n, closed) in enumerate(zip(shape, block.periodic, strict=True)):
             least = max(2 * op.p + 1, halo) if closed else op.min_points
             if n < least:
@@ -147,12 +137,11 @@ class BlockLayout:
                     "sets them, or a lower -fsi_order"
                 )
         if prod(shape) * self.dofs[k] > np.iinfo(PETSc.IntType).max:
-            nodes = " by ".join(map(str, shape))
-            raise InputError(f"block '{block.name}' has {nodes} nodes: PETSc cannot count them")
+            raise InputError(f"block '{block.name}' has more numbers than PETSc can count")
         # what others need of derivatives must be no row of the closure, which reaches farther
         beyond = max(op.p, halo - op.p)
-        end, inner = max(op.rows + beyond, halo), max(2 * op.p, halo)
-        return Extent(block.kind, shape, block.periodic, end, inner, halo)
+        least = max(op.rows + beyond, halo), max(2 * op.p, halo)
+        return Extent(block.kind, shape, block.periodic, *least, halo)
 
     def _part(self, k: int, reach: Reach, memory: Array, inside: Exchange) -> Part:
         """This rank's part of block k, whose ghosted array is the beginning of ``memory``."""
@@ -162,7 +151,6 @@ class BlockLayout:
         patch = Patch(*sizes, tuple(a - g for (a, _), (g, _) in zip(own, ghosted, strict=True)))
         axes = range(block.dimension)
         bands = [self.problem.band(k, self.order, axis).part(*ghosted[axis]) for axis in axes]
-        begin, end = self._begins[k : k + 2]
         images = ghosted[axes[-1]][0] < 0 and reach.centred
         odd = (axes[-1], axes[-1] + block.dimension) if block.kind == "solid" else dof - 2
         return Part(
@@ -171,36 +159,16 @@ class BlockLayout:
             ghosted=ghosted[: block.dimension],
             bands=(*bands, *[NO_AXIS] * (AXES - len(bands))),
             dof=dof,
-            begin=begin,
-            end=end,
+            begin=self._begins[k],
             numbers=reach.share.nodes(rank),
             local=memory[: dof * prod(patch.ghosted)].reshape(dof, -1),
             inside=inside,
             signs=np.where(np.isin(np.arange(dof), odd), -1.0, 1.0)[: dof * images],
         )
 
-    def interface_ends(self) -> Iterator[tuple[int, int, int, float]]:
-        """Of interfaces in one dimension with the solid's end here: number, block, row, X."""
-        interfaces = self.problem.interfaces if self.problem.dimension == 1 else ()
-        for number, (_, k) in enumerate(interfaces):
-            part, nodes = self.parts.get(k), self.problem.interface_nodes(number)
-            if part is not None and nodes[0] in part.numbers:
-                X = float(self.problem.places(k, nodes)[0, 0])
-                yield number, k, int(part.rows(nodes[:1])[0]), X
-
     def owned(self, k: int, array: Array) -> Array:
         """View, (M, dof), of block k in this rank's part of a world vector; M may be 0."""
-        if k not in self.parts:
-            return np.empty((0, self.dofs[k]))
-        return array[self.parts[k].begin : self.parts[k].end].reshape(self.dofs[k], -1).T
-
-    def gather(self, k: int, nodes: Numbers, columns: int) -> RowExchange:
-        """The exchange of numbers of nodes of block k, from the ranks that own the nodes to all of
-        the block. Making one is collective on these.
-        """
-        owners, every = self.shares[k].owners(nodes), np.ones(nodes.size, bool)
-        wanted = dict.fromkeys(self.shares[k].ranks, every)
-        return RowExchange(self.comm, GATHER_TAG + k, owners, wanted, columns)
+        return array[slice(*self._begins[k : k + 2])].reshape(self.dofs[k], -1).T
 
     def natural(self, k: int) -> Numbers:
         """The nodes of block k that this rank holds where they are in the order of their numbers:
@@ -219,33 +187,6 @@ class BlockLayout:
         found: Array = vector.getArray(readonly=True).reshape(-1, columns).copy()
         vector.destroy()
         return found
-
-    def destroy(self) -> None:
-        """Release the messages."""
-        self.halos.destroy()
-
-
-class BlockVector:
-    """This rank's part of a world vector, ``array``, of zeros at first."""
-
-    def __init__(self, layout: BlockLayout) -> None:
-        self.array, self._layout = zeros(layout.local_size), layout
-
-    def owned(self, k: int) -> Array:
-        """A view (M, dof) of the owned unknowns of block k."""
-        return self._layout.owned(k, self.array)
-
-    @property
-    def auxiliary(self) -> Array:
-        """A view of the auxiliary unknowns."""
-        return self.array[self.array.size - self._layout.auxiliary :]
-
-    def ghosted(self, k: int) -> Array:
-        """(N, dof): block k with halos, as they were filled last, and the owned nodes, as
-        they were copied last (Halo); without halos the owned part.
-        """
-        part = self._layout.parts[k]
-        return part.local.T if part.has_halo else self.owned(k)
 
 
 def width_of_halo(problem: Any, k: int, order: int, shocks: bool) -> tuple[int, bool]:

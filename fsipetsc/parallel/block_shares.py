@@ -54,7 +54,6 @@ class Extent:
 
     @property
     def cap(self) -> int:
-        """The most parts."""
         return prod(map(self.most, range(len(self.shape))))
 
     def allows(self, axis: int, cuts: Sequence[int]) -> bool:
@@ -82,12 +81,10 @@ class Share:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Nodes per axis."""
         return tuple(cuts[-1] for cuts in self.cuts)
 
     @property
     def grid(self) -> tuple[int, ...]:
-        """How many parts there are along each axis."""
         return tuple(len(cuts) - 1 for cuts in self.cuts)
 
     def part(self, rank: int) -> tuple[tuple[int, int], ...]:

@@ -13,7 +13,7 @@ import ctypes
 from collections.abc import Mapping, Sequence
 from itertools import chain
 from math import prod
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from mpi4py import MPI
@@ -56,12 +56,7 @@ class Exchange(Called):
     name = "exchange"
 
     def __init__(
-        self,
-        comm: MPI.Comm,
-        tag: int,
-        routes: Sequence[Route],
-        target: Array,
-        source: Array | None = None,
+        self, comm: MPI.Comm, tag: int, routes: Sequence[Route], target: Array, source: Any = None
     ) -> None:
         self._requests, size = list[MPI.Prequest](), MPI._sizeof(MPI.Request)
         ends = []  # places and buffer of what is received, and of what is sent
@@ -129,8 +124,8 @@ class Reduction(Called):
         room = np.empty_like(numbers)
         handles = (ctypes.c_long(MPI._handleof(one)).value for one in (MPI.DOUBLE, MPI.MAX, comm))
         of_numbers = numbers.ctypes.data, room.ctypes.data, numbers.size
-        self._kept = np.array([_of_mpi("MPI_Allreduce"), *handles, *of_numbers], np.int64), room
-        self.structure, self._numbers, self._comm = self._kept[0].ctypes.data, numbers, comm
+        about = np.array([_of_mpi("MPI_Allreduce"), *handles, *of_numbers], np.int64)
+        self.structure, self._kept = about.ctypes.data, (about, room, numbers, comm)
 
 
 class Reach(NamedTuple):

@@ -190,11 +190,6 @@ class ParticleSystem:
         at_wall = self.record.facts.wall[particle] == 1
         return nodes[at_wall], self.prescribed.data.wall[particle[at_wall]]
 
-    def destroy(self) -> None:
-        """Release the messages."""
-        for exchange in (self.sums, self.areas, self.stored):
-            exchange.destroy()
-
 
 def _facts(
     particle: Particle, mine: bool, through: Mapping[Any, int], column: int, law: int

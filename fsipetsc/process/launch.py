@@ -8,7 +8,7 @@ from itertools import pairwise
 
 from fsipetsc.errors import InputError
 from fsipetsc.options import AT_START, given_options, is_option, present, put
-from fsipetsc.process.program import is_launched
+from fsipetsc.process.program import launcher_rank
 from fsipetsc.process.together import Comm, together
 
 
@@ -35,7 +35,7 @@ def start_mpi(alone: bool = False) -> Comm:
     if size and size == os.environ.get("OMPI_COMM_WORLD_LOCAL_SIZE") and not chosen:
         os.environ[f"{interfaces}include"] = "lo"
     own = {}
-    if alone and not is_launched():  # no process beside this one, and nothing for networks (UCX)
+    if alone and launcher_rank() is None:  # no other process, and no networks (UCX)
         own = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_pml": "ob1"}
         own = {name: text for name, text in own.items() if name not in os.environ}
     os.environ.update(own)

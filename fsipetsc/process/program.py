@@ -11,15 +11,10 @@ import sys
 _RANKS = ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "MV2_COMM_WORLD_RANK", "SLURM_PROCID")
 
 
-def launcher_rank() -> int:
-    """Return this process's rank as mpiexec tells it, for what needs no MPI; 0 without mpiexec."""
+def launcher_rank() -> int | None:
+    """Return this process's rank as mpiexec tells it, for what needs no MPI; None without it."""
     found = (os.environ.get(name, "") for name in _RANKS)
-    return next((int(text) for text in found if text.isdigit()), 0)
-
-
-def is_launched() -> bool:
-    """Tell whether mpiexec or the like has started this process."""
-    return any(name in os.environ for name in _RANKS)
+    return next((int(text) for text in found if text.isdigit()), None)
 
 
 def end_on_signals() -> None:
@@ -32,7 +27,7 @@ def end_on_signals() -> None:
         for other in (signal.SIGINT, signal.SIGTERM):
             signal.signal(other, signal.SIG_DFL)
         with contextlib.suppress(OSError, ValueError, RuntimeError):  # nobody reads it
-            if launcher_rank() == 0:
+            if not launcher_rank():
                 line = f"fsipetsc: error: stopped by {signal.Signals(number).name}\n"
                 os.write(2, line.encode())
             sys.stdout.flush()

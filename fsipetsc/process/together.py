@@ -1,12 +1,13 @@
-"""What each rank does for itself, and all go on from together; how a run ends that cannot go on:
-one message, an exit status, and no rank left waiting.
+"""What each rank does for itself, and all go on from together; how the ranks get libraries of
+kernels; how a run ends that cannot go on: one message, an exit status, and no rank left waiting.
 """
 
+import ctypes
 import math
 import sys
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -59,6 +60,40 @@ def agree(comm: Comm, fault: FsiError | None) -> None:
     if first is not None:
         kind, words = first
         raise kind(*words) from fault
+
+
+def libraries(
+    comm: Comm, texts: Sequence[str], announce: Callable[[str], None] = lambda text: None
+) -> list[ctypes.CDLL]:
+    """Return the libraries of this rank's texts in C. Collective, though ranks may have other
+    texts: each is compiled once, by one rank, and sent as bytes, so that no file system has to show
+    a new file in time.
+
+    announce: called on rank 0 before and after somebody compiles. InputError where there is no
+    compiler, or it fails; FileError.
+    """
+    from fsipetsc.kernels import build
+
+    build.tells = comm.rank == 0
+    says = announce if comm.rank == 0 else lambda text: None
+    names = together(comm, lambda: [build.name_of(text) for text in texts])
+    text_of, sent = dict(zip(names, texts, strict=True)), dict[str, bytes]()
+    lacking = comm.allgather(sorted(filter(build.lacks, text_of)))
+    # name -> the rank that compiles it: the lowest one that lacks it
+    makers = {name: k for k, some in reversed([*enumerate(lacking)]) for name in some}
+    for name, text in text_of.items() if build.keeps_text and comm.rank == 0 else ():
+        says(f"C text of kernels: {build.keep(name.replace('.so', '.c'), text.encode())}")
+    if makers:
+        begin, mine = time.monotonic(), [name for name, k in makers.items() if k == comm.rank]
+        says(f"compiling the kernels of this case (libraries: {len(makers)})")
+        # asleep: who compiles may have this rank's core
+        made = together(comm, lambda: build.made([text_of[n] for n in mine]), asleep=True)
+        says(f"compiled in {time.monotonic() - begin:.1f} s")
+        for name, library in zip(mine, made):
+            build.keep(name, library)
+        for of_rank in comm.allgather(dict(zip(mine, made))):
+            sent.update(of_rank)
+    return together(comm, lambda: [build.loaded(name, sent) for name in names])
 
 
 def describe(error: BaseException) -> tuple[int, str, bool]:

@@ -73,7 +73,6 @@ _ENTRIES = (
     ("@_point", "m s-1", "its velocity", PLACE, "point"),
     ("T_point", "K", "its temperature", PLACE, "point"),
     ("p_point", "Pa", "its pressure; of a solid minus its mean normal stress", PLACE, "point"),
-    ("t_*_point", "Pa", "traction on the solid there, at an interface", PLACE, "point"),
     ("mass_in", "kg", "mass that came in", GAIN, "gas"),
     ("lost_energy", "J", "what the step lost of `solid_energy`", GAIN, "", "lossy"),
     ("force_work", "J", "work of constant forces", GAIN, "", "pulled"),
@@ -96,10 +95,10 @@ def record(names: Collection[str], counts: Mapping[str, int]) -> list[tuple[Any,
     return [(name, "f8", shape) for name, shape in shapes if 0 not in shape]
 
 
-def of_blocks(has: Collection[str], d: int, kinds: Collection[str]) -> Iterator[str]:
-    """Names of the series of these kinds of blocks in d dimensions; has: what the problem has."""
+def of_blocks(has: Collection[str], d: int) -> Iterator[str]:
+    """Names of the series of blocks in d dimensions; has: what the problem has."""
     for one in TABLE:
-        if one.kind in kinds and (not one.needs or one.needs in has):
+        if not one.needs or one.needs in has:
             yield from one.names(d)
 
 

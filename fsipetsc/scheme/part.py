@@ -35,7 +35,7 @@ the ghosted array, in d dimensions it has
     tell what they store, rows_of_stored: (n,) where.
 
 ``gain`` is a record of what comes into the problem from outside. numbers: all that follow, in the
-order of fsipetsc.blockrun.saved.gained. mass: of each block of gas. lost: (1,) work on solids if it
+order of the record of a step. mass: of each block of gas. lost: (1,) work on solids if it
 is booked, else (0,). work: (1,) work of constant forces if there are any, else (0,). impulse: (d,).
 energy: through each outer face; the last one is of what comes through no face. heat: the part of
 energy that is heat. total: (1,) the sum of energy.

@@ -2,7 +2,7 @@
 
 The procedures here are those between the phases of fsipetsc.blockrun.phases. What they take and
 fill is ``found``, a record of the solution y, its stages, total: the sum that becomes the next one,
-gain (fsipetsc.scheme.part), and what fsipetsc.blockrun.block_state has; at_ends: (4, interfaces).
+gain (fsipetsc.scheme.part), and what fsipetsc.blockrun.block_state has. at_ends: 4 (interfaces,).
 time: (1,) of recorded data. stage: (2,) what sweeps make of rates (fsipetsc.scheme.sweep). left:
 (runs, 2) begin and end of the numbers of a world vector of which sweeps give rates in any case.
 """

@@ -199,4 +199,4 @@ def note_ends(part, q, found):
         stored = 0.0 if solid.coupled else S * (F[0] - 1.0) / solid.m0
         of_end = X + q[own, 0], v[0], solid.line_stress(F) + S, solid.temperature(v, e - stored, F)
         for c, value in enumerate(of_end):
-            found.at_ends[c, number] = value
+            found.at_ends[c][number] = value

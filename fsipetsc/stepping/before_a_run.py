@@ -76,14 +76,12 @@ def geometry(arguments: list[str], comm: Comm) -> None:
     problem = build_problem(case, opt, comm)
 
     def show() -> None:
-        found, m = outlines(problem, opt["fsi_h"]), problem.unit("m")
-        rows = geometry_rows(found, m)
-        d, target = problem.dimension, Path(opt["o"] or f"{case.NAME}-geometry.png")
+        found, m, d = outlines(problem, opt["fsi_h"]), problem.unit("m"), problem.dimension
+        rows, target = geometry_rows(found, m), Path(opt["o"] or f"{case.NAME}-geometry.png")
         axes = [*"XYZ"[: d - 1], "r" if getattr(problem, "symmetry", 0) else "XYZ"[d - 1]]
         labels = [f"{x} [m]" if m else x for x in axes]
         drawn = draw_geometry(target, found, f"{case.NAME}: {rows[-1][1]}", labels)
         if not opt["fsi_quiet"]:
-            say(table(rows))
-            say(f"picture in {drawn}")
+            say(f"{table(rows)}\npicture in {drawn}")
 
     together(comm, show if comm.rank == 0 else lambda: None)

@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from fsipetsc.scheme import plan
 from fsipetsc.scheme.observables import INTEGRAL, SERIES
 from fsipetsc.scheme.runge_kutta import STAGES
 from fsipetsc.state import FAULT, State
-from fsipetsc.stepping.notes import check
+from fsipetsc.stepping.notes import Ledgers, check
 
 #: what a rank says of STOP that wants a checkpoint, below the numbers of signals. What ranks say
 #: goes round after a step anyway and the largest word counts, so a signal may come to any rank
@@ -47,22 +47,18 @@ class Integrator:
     """Integrates a state in time; all methods are collective.
 
     opt: options in force. steps, t, wall_time [s] of the loop: reached so far; rejected: steps that
-    were tried again; saved_at: time of the last frame. initial: integrals at t = 0. stop_signal:
-    that which has ended the run, or 0. passed, due: after a batch of steps, whether its end is a
-    time to be saved, and whether a checkpoint is wanted: after so many steps, by the clock of rank
-    0, after a signal, and at the end for those who want any.
+    were tried again; saved_at: time of the last frame. initial: integrals at t = 0. signal: the
+    last one that came to this rank, or 0; stop_signal: that which has ended the run. ledgers: of
+    the steps that were taken, on rank 0.
     """
-
-    passed = due = False
 
     def __init__(self, state: State, opt: Mapping[str, Any]) -> None:
         self.state, self.opt, self.comm = state, opt, state.comm
         self._recorded = 0  # steps in the journal
-        self._signal = 0  # the last one that came to this rank
         self._every, self._wall = opt["fsi_checkpoint_steps"], opt["fsi_checkpoint_wall"]
         self._last_checkpoint = time.monotonic()
         self._targets = saved_times(opt, state.problem.unit("s"))[::-1]  # still to be hit
-        self.steps = self.rejected = self.stop_signal = 0
+        self.steps = self.rejected = self.signal = self.stop_signal = 0
         self.t, self.saved_at, self.wall_time = 0.0, -1.0, 0.0
         self._fused = opt["ts_type"] == "fused"
         self._watched = PETSc.Options().hasName("ts_monitor")
@@ -71,6 +67,7 @@ class Integrator:
             most = MOST_POINTS[state.problem.dimension] // state.points
             self.batch_limit = max(1, min(MOST_STEPS, most))
         self.initial: dict[str, Any] = {}
+        self.ledgers = Ledgers({}, {})
 
     @property
     def complete(self) -> bool:
@@ -81,7 +78,7 @@ class Integrator:
         return self.complete or bool(self.stop_signal) or self.steps >= self.opt["ts_max_steps"]
 
     def _pass(self) -> bool:
-        """Note that the time is reached; True if it is one to be saved."""
+        """Whether the time that is reached is one to be saved."""
         before = len(self._targets)
         while self._targets and self._targets[-1] <= self.t:
             self._targets.pop()
@@ -96,24 +93,26 @@ class Integrator:
         for name in state.latest.dtype.names:
             if SERIES[name].kind == INTEGRAL:
                 self.initial[name] = state.comm.allreduce(state.latest[name]).tolist()
+        self.ledgers = Ledgers(state.invariants, self.initial)
         self._pass()
 
     def memory(self) -> dict[str, Any]:
         """Return what ``resume`` needs beside the state; as JSON holds it."""
         kept = {name: getattr(self, name) for name in KEPT}
-        return {**kept, "evaluations": self.state.evaluations}
+        return {**kept, "evaluations": self.state.evaluations, "ledgers": self.ledgers.kept}
 
     def resume(self, memory: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
         """Be where ``memory`` and ``state.capture()`` told of. InputError if it does not fit."""
         for name in KEPT:
             setattr(self, name, memory[name])
         self.state.evaluations = memory["evaluations"]
+        self.ledgers = Ledgers(self.state.invariants, self.initial, memory["ledgers"])
         self.state.restore(arrays, self.t)
         self._pass()
 
     def take_series(self) -> np.ndarray:
         """Return the records of steps since the last time, on rank 0 with sums over ranks; not
-        copied: the next steps overwrite them.
+        copied: the next steps overwrite them. The ledgers learn of them.
         """
         comm, steps, self._recorded = self.comm, self.state.journal[: self._recorded], 0
         if comm.size > 1 and len(steps):
@@ -122,6 +121,8 @@ class Integrator:
             sums = own.copy()
             comm.Reduce(MPI.IN_PLACE if comm.rank == 0 else sums, sums, MPI.SUM, 0)
             own[:] = sums
+        if comm.rank == 0 and len(steps):
+            self.ledgers.add(steps)
         return steps
 
     @property
@@ -129,22 +130,17 @@ class Integrator:
         """Whether the journal has no room for another step."""
         return self._recorded == len(self.state.journal)
 
-    def run(self) -> Iterator[float]:
-        """Integrate to the end, a signal, or a failure, which is raised; yield after each batch of
-        steps the longest of them [s]. Records of a full journal that nobody takes then are lost.
-        """
+    def run(self) -> None:
+        """Integrate to the end, a signal, or a failure, which is raised."""
         begun, ts = time.perf_counter() - self.wall_time, self._create()
         try:
             while not self._ended:
                 self._plan_step(ts)
                 self._step(ts)
-                longest = self._note()
                 self.wall_time = time.perf_counter() - begun
-                yield longest
-                if self.full:
+                self._note()
+                if self.full:  # nobody has taken them
                     self.take_series()
-                if self.due:
-                    self._last_checkpoint = time.monotonic()
         finally:
             self.wall_time = time.perf_counter() - begun
             if self._watched:
@@ -153,11 +149,22 @@ class Integrator:
                 ts.viewFromOptions("-ts_view")
             ts.destroy()
 
+    def follow_up(self, longest: float, passed: bool, due: bool) -> None:
+        """Called after each batch of steps. longest: of them [s]; passed: whether its end is a time
+        to be saved; due: whether a checkpoint is wanted, after so many steps, by the clock of rank
+        0, after a signal, and at the end for those who want any.
+        """
+
     def _create(self) -> PETSc.TS:
         """Return PETSc's TS, which makes the steps of its own methods, and monitors all."""
+
+        def right_hand_side(ts: PETSc.TS, t: float, Y: PETSc.Vec, F: PETSc.Vec) -> None:
+            self.state.set_data(t)
+            self.state.right_hand_side(Y.getArray(readonly=True), F.getArray())
+
         ts, database = PETSc.TS().create(comm=self.comm), PETSc.Options()
         ts.setProblemType(PETSc.TS.ProblemType.NONLINEAR)
-        ts.setRHSFunction(self._right_hand_side)
+        ts.setRHSFunction(right_hand_side)
         ts.setExactFinalTime(PETSc.TS.ExactFinalTime.STEPOVER)
         ts.setSolution(self.state.solution)
         database.setValue("ts_type", "rk" if self._fused else self.opt["ts_type"])
@@ -168,16 +175,14 @@ class Integrator:
         database.setValue("ts_type", self.opt["ts_type"])
         return ts
 
-    def _right_hand_side(self, ts: PETSc.TS, t: float, Y: PETSc.Vec, F: PETSc.Vec) -> None:
-        self.state.set_data(t)
-        self.state.right_hand_side(Y.getArray(readonly=True), F.getArray())
-
     def _plan_step(self, ts: PETSc.TS) -> None:
         opt, state, target = self.opt, self.state, self._targets[-1]
         courant, fixed = opt["fsi_cfl"], opt["ts_dt"] or 0.0
         bound = plan.longest_step(courant, fixed, float(state.results[plan.RATE]))
         step, after = plan.next_step(self.t, target, bound)
-        state.results[plan.SAID_STOP] = self._word()
+        late = self._wall and time.monotonic() >= self._last_checkpoint + self._wall
+        word = self.signal or CHECKPOINT * bool(late and self.comm.rank == 0)
+        state.results[plan.SAID_STOP] = word if state.fault is None else FAULT
         left = [opt["ts_max_steps"] - self.steps, len(state.journal) - self._recorded]
         if self._every:
             left.append(self._every - self.steps % self._every)
@@ -195,7 +200,7 @@ class Integrator:
         """Make the step that is planned, or a batch of them; note it, and its time and number."""
         state = self.state
         if self._fused:
-            state.step(self.t, float(state.batch[plan.DT]))
+            state.step()
             if state.results[plan.BAD] and state.MOST_PARTS > 1:
                 self._make_anew()
         else:
@@ -222,7 +227,7 @@ class Integrator:
             state.evaluations -= STAGES * made  # counted when they are made once more
             state.go_back()
             state.batch[plan.ALLOWED] = made - 1
-            state.step(self.t, float(state.batch[plan.DT]))
+            state.step()
             return
         while state.results[plan.BAD] and parts <= state.MOST_PARTS:
             state.go_back()
@@ -230,26 +235,17 @@ class Integrator:
             self.rejected += 1
             parts *= 2
 
-    def _note(self) -> float:
-        """Note the batch that was made; returns its longest step [s]."""
+    def _note(self) -> None:
+        """Note the batch that was made, and let follow what follows it."""
         self.t, made, longest = self.state.batch[[plan.TIME, plan.MADE, plan.LONGEST]].tolist()
         self.steps += int(made)
         self._recorded += int(made) - 1  # the last one only if it is sound
         check(self.state, self.opt, self.t, self.steps)
         self._recorded += 1
-        self.passed, stop = self._pass(), float(self.state.results[plan.STOP])
+        passed, stop = self._pass(), float(self.state.results[plan.STOP])
         self.stop_signal = int(stop)
         regular = self._every and self.steps % self._every == 0
-        self.due = bool(stop or regular or (self._ended and (self._every or self._wall)))
-        return longest
-
-    def heed(self, number: int) -> None:
-        """End the run in order, by a signal that came to this rank."""
-        self._signal = number
-
-    def _word(self) -> float:
-        """Return what this rank has to say after the next batch of steps."""
-        if self.state.fault is not None:
-            return FAULT
-        due = self._wall and time.monotonic() >= self._last_checkpoint + self._wall
-        return self._signal or CHECKPOINT * bool(due and self.comm.rank == 0)
+        due = bool(stop or regular or (self._ended and (self._every or self._wall)))
+        self.follow_up(longest, passed, due)
+        if due:
+            self._last_checkpoint = time.monotonic()

@@ -3,7 +3,7 @@ go on; by how much mass, momentum, energy and entropy have departed from their l
 are collective.
 """
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from functools import partial
 from itertools import product
 from math import isqrt
@@ -13,9 +13,8 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.blockrun.block_state import BlockState
-from fsipetsc.blockrun.solid_part import SolidPart
+from fsipetsc.blockrun.parts import SolidPart
 from fsipetsc.checks import place_text
-from fsipetsc.equations.tensors import determinant
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.scheme.observables import Drifts
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, TIME, TOO_SHORT, longest_step
@@ -32,7 +31,7 @@ STRETCHED = 0.01
 STEEP = 0.2
 #: entries of F - 1 below which the waves of a law are those at rest
 SMALL = 0.01
-#: what a minor of an acoustic tensor, over its largest entry, must be below
+#: what an eigenvalue of an acoustic tensor, over its largest entry, must be below
 ROUND_OFF = 1e-8
 #: entries of directions of waves, in as many dimensions, -so many … so many
 FINEST = {1: 1, 2: 4, 3: 2}
@@ -46,21 +45,17 @@ NOTHING = 1e-12
 
 
 def first_notes(state: State, opt: Mapping[str, Any]) -> list[str]:
-    found = [*state.problem.notes, *loose_forces(state)]
+    rest = "a gas at rest stays so to the order of the scheme only, and small motions may grow"
+    by_node = [f"the force on '{gas.name}' is added node by node: {rest}" for gas in state.loose]
+    found = [*state.problem.notes, *by_node]
     if isinstance(state, BlockState):
         found += [*asked_data(state), *heat_that_stays(state), *stretched_gases(state)]
     return [f"note: {text}" for text in (*found, *long_steps(state, opt))]
 
 
-def loose_forces(state: Any) -> list[str]:
-    """Gases on which a constant force acts node by node."""
-    rest = "a gas at rest stays so to the order of the scheme only, and small motions may grow"
-    return [f"the force on '{gas.name}' is added node by node: {rest}" for gas in state.loose]
-
-
 def asked_data(state: BlockState) -> list[str]:
     """Why Python is asked for data in each stage of a step."""
-    why = [one for some in state.comm.allgather(state.phases.not_recorded) for one in some]
+    why = [one for some in state.comm.allgather(state.not_recorded) for one in some]
     words = "Python is asked for data in each stage of a step, which takes longer"
     return [f"{words}: {why[0]}"] if why else []
 
@@ -84,7 +79,7 @@ def stretched_gases(state: BlockState) -> list[str]:
     blocks, volumes = state.problem.blocks, np.zeros((len(state.problem.blocks), 2))
     for k, part in state.parts.items():
         if part.block.kind == "fluid" and part.block.exact is None:
-            volumes[k] = part.weights @ state.y.owned(k)[:, 0], part.weights @ part.reference
+            volumes[k] = part.weights @ state.owned(k)[:, 0], part.weights @ part.reference
     state.comm.Allreduce(MPI.IN_PLACE, volumes)
     return [
         f"'{block.name}' begins with {100.0 * abs(volume / of_map - 1.0):.3g} % "
@@ -102,7 +97,7 @@ def steep_waves(state: State, opt: Mapping[str, Any]) -> list[str]:
     steepest = np.zeros((len(state.problem.blocks), 1 + state.problem.dimension))  # and where
     for k, part in state.parts.items():
         if part.block.kind == "fluid":
-            steepest[k] = part.steepest(state.y.ghosted(k))
+            steepest[k] = part.steepest(state.ghosted(k))
     every = np.array(state.comm.allgather(steepest))
     found = every[every[..., 0].argmax(axis=0), np.arange(len(steepest))]
     m = state.problem.unit("m")
@@ -130,55 +125,47 @@ def imaginary_waves(state: State, t: float, told: Collection[int] = ()) -> dict[
     """Solids, but those told of, whose waves have become imaginary at t [s], and where it is worst:
     number of the block -> text. The paper's solids are checked with each step.
     """
-    found = {}
+    found = []
     for k, part in state.parts.items() if isinstance(state, BlockState) else ():
         if part.block.kind == "solid" and k not in told:
             with np.errstate(all="ignore"):  # a bad state has no stress, and is told otherwise
-                found[k] = worst_wave(part, state.y.ghosted(k))
-    every = [one for of_rank in state.comm.allgather(found) for one in of_rank.items() if one[1]]
-    worst = dict(sorted(every, reverse=True))  # the first one of a block comes last, and holds
+                found += [(k, *one) for one in worst_waves(part, state.ghosted(k))]
+    every = [one for of_rank in state.comm.allgather(found) for one in of_rank]
+    worst = {one[0]: one[3:] for one in sorted(every, reverse=True)}  # the worst comes last
     m, when = state.problem.unit("m"), f"t = {t:.6g}{state.problem.unit('s')}"
     return {
         k: f"waves have become imaginary in '{state.problem.layers[k].name}' at "
         f"{place_text(X)}{m}, {when}, where the stretch along them is {stretch:.3g}: the law has "
         "no meaning here"
-        for k, (_, _, X, stretch) in sorted(worst.items())
+        for k, (X, stretch) in sorted(worst.items())
     }
 
 
-def worst_wave(part: SolidPart, q: Array) -> tuple[float, int, list[float], float] | None:
-    """Where waves are imaginary, the worst: how bad, number of the node, X, stretch along the wave.
+def worst_waves(part: SolidPart, q: Array) -> list[tuple[float, int, list[float], float]]:
+    """Where waves are imaginary, the worst of each direction: how bad, number of the node, X,
+    stretch along the wave.
 
     Waves along N are real if the acoustic tensor along N at constant entropy
-    (fsipetsc.equations.solid) is positive, so that all its leading minors are. Nodes with hardly
-    any strain are left out, so that solids of small strain cost next to nothing.
+    (fsipetsc.equations.solid) is positive. Nodes with hardly any strain are left out, so that
+    solids of small strain cost next to nothing.
     """
     part.measure(q)
-    d = part.block.dimension
+    d, found = part.block.dimension, []
     rest = np.append(np.eye(d), np.ones(len(part.F) - d * d))  # the last ones are of hoops
     rows = np.flatnonzero(np.abs(part.F.T - rest).max(axis=1) > SMALL)
     F = part.F[: d * d].T.reshape(-1, d, d)
     strains, T, numbers = tuple(part.F[:, rows]), part.stressed(q, rows)[0], part.part.numbers[rows]
-    found = []
-    for N in _directions(d) if rows.size else ():
-        Q = part.equations.acoustic_tensor(strains, T, tuple(N))
-        Q = np.reshape(Q, (isqrt(len(Q)), -1, rows.size))[:d, :d]
-        size = np.abs(Q).max(axis=(0, 1))
-        Q = Q / size + ROUND_OFF * np.eye(d)[..., None]
-        minors = [determinant(tuple(Q[:k, :k].reshape(k * k, -1))) for k in range(1, d + 1)]
-        least = size * np.min(minors, axis=0)
-        i = np.lexsort((numbers, least))[0]  # what is no number comes last
+    entries = range(-FINEST[d], FINEST[d] + 1)
+    some = [N / np.linalg.norm(N) for N in product(entries, repeat=d) if N > (0,) * d]
+    for N in np.unique(np.round(some, 15), axis=0) if rows.size else ():
+        Q = np.array(part.equations.acoustic_tensor(strains, T, tuple(N)))
+        Q = np.nan_to_num(Q.reshape(isqrt(len(Q)), -1, rows.size)[:d, :d].T, posinf=0.0, neginf=0.0)
+        least = np.linalg.eigvalsh(Q)[:, 0] + ROUND_OFF * np.abs(Q).max(axis=(1, 2))
+        i = np.lexsort((numbers, least))[0]
         if least[i] < 0.0:
             X, stretch = part.X[:, part.owned[rows[i]]], np.linalg.norm(F[rows[i]] @ N)
             found.append((float(least[i]), int(numbers[i]), X.tolist(), float(stretch)))
-    return min(found, default=None)
-
-
-def _directions(d: int) -> Array:
-    """(m, d) unit vectors of directions of waves, one of each two that are opposite."""
-    entries = range(-FINEST[d], FINEST[d] + 1)
-    some = {N: np.linalg.norm(N) for N in product(entries, repeat=d) if N > (0,) * d}
-    return np.unique([np.divide(N, size).round(15) for N, size in some.items()], axis=0)
+    return found
 
 
 def what_helps(opt: Mapping[str, Any]) -> str:
@@ -198,49 +185,43 @@ def check(state: State, opt: Mapping[str, Any], t: float, step: int) -> None:
     """
     flags, when = state.results, f"t = {t:.6g}{state.problem.unit('s')}, step {step}"
     if flags[BAD] or not flags[RATE] < np.inf:
-        first = first_bad(state)
+        first = first_bad(state) or "the time step is not a number"
         if step == 0:
-            raise InputError(f"the run cannot begin: {described(state, first)}, {when}")
+            raise InputError(f"the run cannot begin: {first}, {when}")
         state.go_back()
         waves = imaginary_waves(state, float(state.batch[TIME]))
         first = state.repeat(partial(first_bad, state)) or first
         causes = [*waves.values()] or [what_helps(opt)]
-        raise ComputationError("; ".join([f"{described(state, first)}, {when}", *causes]))
+        raise ComputationError("; ".join([f"{first}, {when}", *causes]))
     if flags[EXHAUSTED] or flags[TOO_SHORT]:
         raise ComputationError(f"at {when} {state.used_up()}")
 
 
-def described(state: State, first: tuple[Any, ...] | None) -> str:
-    """Describe an unphysical point that ``first_bad`` has found."""
-    if first is None:
-        return "the time step is not a number"
-    m = state.problem.unit("m")
-
-    def place(letters: str, x: Sequence[float]) -> str:
-        return ", ".join(f"{letter} = {value:.6g}{m}" for letter, value in zip(letters, x))
-
-    k, _, _, name, value, x, X = first
-    what = f"{name} = {value:.6g}" if np.isfinite(value) else f"{name} is not a finite number"
-    if name == "m0 c^2":
-        what = f"waves have become imaginary, their {what}: the law has no meaning here,"
-    return (
-        f"{what} in layer '{state.problem.layers[k].name}' at {place('xyz', x)} ({place('XYZ', X)})"
-    )
-
-
-def first_bad(state: State) -> tuple[Any, ...] | None:
-    """The first point of all ranks that is not physical, or has a number whose square is none:
-    (layer, number of the point, number of the field, field, value, x, X).
+def first_bad(state: State) -> str:
+    """Describe the first point of all ranks that is not physical, or has a number whose square is
+    none; "" if there is none.
     """
-    bad = []
-    for seen in state.seen():
-        for number, (name, values) in enumerate(seen.values.items()):
+    bad, m = [], state.problem.unit("m")
+    for k, numbers, fields, *places in state.seen():
+        for order, (name, values) in enumerate(fields.items()):
             with np.errstate(all="ignore"):
                 good = (np.abs(values) < TOO_LARGE) & ((values > 0) | (name not in POSITIVE))
             for i in np.flatnonzero(~good)[:1].tolist():
-                about = number, name, float(values[i]), seen.x[i].tolist(), seen.X[i].tolist()
-                bad.append((seen.layer, int(seen.numbers[i]), *about))
-    return min((found for some in state.comm.allgather(bad) for found in some), default=None)
+                what = f"{name} = {values[i]:.6g}"
+                what = what if np.isfinite(values[i]) else f"{name} is not a finite number"
+                if name == "m0 c^2":
+                    what = (
+                        f"waves have become imaginary, their {what}: the law has no meaning here,"
+                    )
+                where, rest = (
+                    ", ".join(f"{c} = {x:.6g}{m}" for c, x in zip(letters, place[i]))
+                    for letters, place in zip(("xyz", "XYZ"), places)
+                )
+                layer = state.problem.layers[k].name
+                text = f"{what} in layer '{layer}' at {where} ({rest})"
+                bad.append((k, int(numbers[i]), order, text))
+    every = (found for some in state.comm.allgather(bad) for found in some)
+    return min(every, default=("",))[-1]
 
 
 class Ledgers(Drifts):
@@ -252,12 +233,7 @@ class Ledgers(Drifts):
     that there was of it; the most that there was of all energy. What is no number stays nan.
     """
 
-    def __init__(
-        self,
-        invariants: Mapping[str, Any],
-        initial: Mapping[str, Any],
-        kept: Mapping[str, Any] | None = None,
-    ) -> None:
+    def __init__(self, invariants: Any, initial: Any, kept: Any = None) -> None:
         super().__init__(invariants, initial)
         self.departures, self.J_error, self.places = dict[str, float](), 0.0, list[float]()
         self.energies = [0.0, *(abs(initial.get(f"{of}energy", 0.0)) for of in ("solid_", ""))]

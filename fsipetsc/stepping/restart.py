@@ -28,16 +28,14 @@ FREE = {
 
 
 class Past(NamedTuple):
-    """What a run goes on from; the same on all ranks."""
+    """What a run goes on from; the same on all ranks. options: those of the checkpoint, which are
+    taken over where they are not given.
+    """
 
     path: str
     header: dict[str, Any]
     arrays: dict[str, np.ndarray]
-
-    @property
-    def options(self) -> dict[str, Any]:
-        """Return those that are taken over where they are not given."""
-        return {k: v for k, v in self.header["options"].items() if k not in OF_A_RUN}
+    options: dict[str, Any]
 
     def check_options(self, opt: Mapping[str, Any], given: Mapping[str, str]) -> None:
         """InputError for an option that cannot change at a restart."""
@@ -65,9 +63,8 @@ def facts(state: State) -> dict[str, str]:
     found = {"the record of a step": str(state.journal.dtype)}
     for layer, shape in zip(state.problem.layers, state.shapes, strict=True):
         known = {"kind": layer.kind, "shape": shape, **vars(layer.material)}
-        for name, value in known.items():
-            if isinstance(value, (str, int, float, tuple)):
-                found[f"{name} of '{layer.name}'"] = str(value)
+        plain = {k: str(of) for k, of in known.items() if isinstance(of, (str, int, float, tuple))}
+        found |= {f"{name} of '{layer.name}'": text for name, text in plain.items()}
     return found
 
 
@@ -86,16 +83,15 @@ def find_past(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> Past | Non
         path = checkpoint_name(opt)
         if not comm.bcast(os.path.exists(path)):
             return None
-    past = together(comm, lambda: Past(path, *file_layout.read_checkpoint(path)))
-    if (other := past.header["case"]) != case.NAME:
-        what = f"is a checkpoint of the case {other}, not of {case.NAME}"
-        raise InputError(f"-fsi_restart: {past.path} {what}")
-    return past
+    header, arrays = together(comm, lambda: file_layout.read_checkpoint(path))
+    if header["case"] != case.NAME:
+        what = f"is a checkpoint of the case {header['case']}, not of {case.NAME}"
+        raise InputError(f"-fsi_restart: {path} {what}")
+    options = {k: v for k, v in header["options"].items() if k not in OF_A_RUN}
+    return Past(path, header, arrays, options)
 
 
-def check_place(
-    comm: MPI.Comm, path: str, opt: Mapping[str, Any], past: Past | None
-) -> Path | None:
+def check_place(comm: MPI.Comm, path: str, opt: Any, past: Past | None) -> Path | None:
     """Return a checkpoint at this name that is not the one the run goes on from, if there is one;
     on rank 0. InputError or FileError where no checkpoint can be written. Collective.
     """

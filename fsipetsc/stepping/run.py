@@ -10,10 +10,9 @@ import sys
 import threading
 import time
 import uuid
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, closing, contextmanager
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,15 +23,8 @@ from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blockrun.saved import chosen
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.checks import counted, described, duration
-from fsipetsc.errors import (
-    ComputationError,
-    FileError,
-    FsiError,
-    InputError,
-    Interrupted,
-    call,
-    place_of,
-)
+from fsipetsc.errors import ComputationError, FileError, InputError, Interrupted, call, place_of
+from fsipetsc.kernels import build
 from fsipetsc.options import read_options
 from fsipetsc.output import file_layout
 from fsipetsc.output.geometry_picture import geometry_rows, outlines
@@ -40,14 +32,13 @@ from fsipetsc.output.info import summary_rows, table
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.paper.paper_state import PaperState
 from fsipetsc.problem import Problem, blocks_of_line
-from fsipetsc.process import libraries
 from fsipetsc.process.program import say
 from fsipetsc.process.together import together
 from fsipetsc.scheme.plan import RATE, longest_step
 from fsipetsc.state import State
 from fsipetsc.stepping import restart
 from fsipetsc.stepping.integrator import Integrator
-from fsipetsc.stepping.notes import Ledgers, first_notes, imaginary_waves, long_steps, steep_waves
+from fsipetsc.stepping.notes import first_notes, imaginary_waves, long_steps, steep_waves
 from fsipetsc.stepping.restart import Past
 
 #: before the place of what a run that failed has computed
@@ -77,17 +68,12 @@ def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem 
 
 
 def make_state(
-    problem: Problem | BlockProblem,
-    opt: dict[str, Any],
-    comm: MPI.Comm,
-    announce: Callable[[str], None] = lambda text: None,
+    problem: Any, opt: dict[str, Any], comm: MPI.Comm, announce: Any = lambda text: None
 ) -> PaperState | BlockState:
-    """Return the state that the options in force ask for. Collective.
-
-    announce: called on rank 0, with a message, before and after kernels are compiled. InputError
-    where grid, order and ranks do not fit, or a law cannot be recorded.
+    """Return the state that the options in force ask for; announce: see `libraries`. Collective.
+    InputError where grid, order and ranks do not fit, or a law cannot be recorded.
     """
-    libraries.keeps_text = opt["fsi_debug"]
+    build.keeps_text = opt["fsi_debug"]
     if isinstance(problem, BlockProblem):
         recorded = together(comm, lambda: chosen(problem, opt["fsi_probes"]))
         of_run = block_form(opt), opt["fsi_partition"], recorded, announce
@@ -138,20 +124,18 @@ def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | No
         if options["fsi_check"]:
             run.look()
             return
-        with closing(run.open()), signals_noted(run.heed):
+        with closing(run.open()), signals_noted(run):
             run.go()
 
 
 @contextmanager
-def signals_noted(heed: Callable[[int], object]) -> Iterator[None]:
-    """SIGTERM, SIGINT and SIGHUP let the current batch of steps end; all ranks stop together.
-
-    heed: gets the number of a signal. A second SIGINT ends at once. A signal that is ignored stays
-    so, as SIGHUP under nohup.
+def signals_noted(run: Integrator) -> Iterator[None]:
+    """SIGTERM, SIGINT and SIGHUP let the current batch of steps end; all ranks stop together. A
+    second SIGINT ends at once. A signal that is ignored stays so, as SIGHUP under nohup.
     """
 
     def note(number: int, frame: object) -> None:
-        heed(number)
+        run.signal = number
         if number == signal.SIGINT:
             signal.signal(number, signal.SIG_DFL)
 
@@ -177,36 +161,35 @@ class Run(Integrator):
     """One run: the steps, with messages, a result, checkpoints, and the laws that must hold."""
 
     writer: RunWriter
-    ledgers: Ledgers
 
     def __init__(self, name: str, opt: Mapping[str, Any], state: State, past: Past | None) -> None:
         super().__init__(state, opt)
         self.name, self.problem, self.past = name, state.problem, past
-        self.s = self.problem.unit("s")
+        self.s, self.m = self.problem.unit("s"), self.problem.unit("m")
         self.path = restart.checkpoint_name(opt)
         self._told: set[int] = set()  # solids of which it was said that they are beyond their law
+        self._long_steps: list[str] = []  # what is said of them at first, and after a failure
         self._speaks = self.comm.rank == 0 and not opt["fsi_quiet"]
-        self._interval = OFTEN if opt["fsi_progress"] or sys.stdout.isatty() else USUAL
 
     def line(self, *texts: str) -> None:
         for text in texts if self._speaks else ():
             say(text)
 
     def _say_what_runs(self) -> None:
-        state, h, m = self.state, self.opt["fsi_h"], self.problem.unit("m")
-        other = f" (smallest cells {state.h:.3g}{m})" if abs(state.h - h) > 0.01 * h else ""
+        state, h = self.state, self.opt["fsi_h"]
+        other = f" (smallest cells {state.h:.3g}{self.m})" if abs(state.h - h) > 0.01 * h else ""
         self.line(
-            f"{self.name}: order {state.op.name}, h = {h:g}{m}{other}, "
+            f"{self.name}: order {state.op.name}, h = {h:g}{self.m}{other}, "
             f"{state.points} points on {counted(self.comm.size, 'rank')}, "
             f"to t = {self.opt['ts_max_time']:g}{self.s}"
         )
 
     def look(self) -> None:
         """Print what the case is made of, notes, and the first step. Collective."""
-        opt, problem = self.opt, self.problem
-        Integrator(self.state, opt).start()
+        opt = self.opt
+        self.start()
         self._say_what_runs()
-        self.line(table(geometry_rows(outlines(problem, opt["fsi_h"]), problem.unit("m"))))
+        self.line(table(geometry_rows(outlines(self.problem, opt["fsi_h"]), self.m)))
         self.line(*first_notes(self.state, opt))
         rate = float(self.state.results[RATE])
         dt = float(longest_step(opt["fsi_cfl"], opt["ts_dt"] or 0.0, rate))
@@ -229,19 +212,19 @@ class Run(Integrator):
     def _say_progress(self, dt: float) -> None:
         """Say how far the run is, if that is due."""
         now = time.monotonic()
-        if not self._speaks or now - self._last[2] < self._interval:
+        if not self._speaks or now < self._next_line:
             return
+        self._next_line = now + self._interval
         end, most = self.opt["ts_max_time"], self.opt["ts_max_steps"]
         begin, before, since = self._first
-        part = max((self.t - begin) / (end - begin), (self.steps - before) / (most - before))
-        rate = (self.steps - self._last[1]) / (now - self._last[2])
+        made, took = self.steps - before, now - since
+        part = max((self.t - begin) / (end - begin), made / (most - before))
         bound = f" by {self.bound}" if self.bound else ""
         self.line(
             f"  t = {self.t:.4g} of {end:g}{self.s} ({100 * part:.0f} %), step {self.steps}, "
-            f"dt = {dt:.3g}{self.s}{bound}, {rate:.3g} steps/s, "
-            f"{duration((now - since) * (1.0 / part - 1.0))} left"
+            f"dt = {dt:.3g}{self.s}{bound}, {made / took:.3g} steps/s, "
+            f"{duration(took * (1.0 / part - 1.0))} left"
         )
-        self._last = self.t, self.steps, now
 
     def open(self) -> RunWriter:
         """Begin the result, or go on with it. Collective; InputError, FileError."""
@@ -265,7 +248,7 @@ class Run(Integrator):
             "laws": self.state.invariants,
             **self.mark,
         }
-        about = header, self.state.grids(), self._take, after, other
+        about = header, self.state.grids(), self.take_series, after, other
         self.writer = RunWriter(self.comm, self.opt["fsi_output"], *about)
         return self.writer
 
@@ -277,12 +260,14 @@ class Run(Integrator):
         self._told.update(found)
         self.line(*(f"note: {text}" for text in found.values()))
 
-    def _take(self) -> np.ndarray:
-        """Return the steps since the last time, of which the ledgers learn. Collective."""
-        steps = self.take_series()
-        if len(steps) and self.comm.rank == 0:
-            self.ledgers.add(steps)
-        return steps
+    def follow_up(self, longest: float, passed: bool, due: bool) -> None:
+        self._say_progress(longest)
+        if self.full:
+            self.writer.write_series()
+        if passed:
+            self.frame()
+        if due:
+            self.checkpoint()
 
     def checkpoint(self) -> None:
         """Write all that has been computed, and then the checkpoint that goes on from there."""
@@ -293,7 +278,6 @@ class Run(Integrator):
             "facts": restart.facts(self.state),
             "run": self.mark,
             "memory": self.memory(),
-            "ledgers": self.ledgers.kept,
             "result": [self.writer.nframes, self.writer.rows],
         }
         arrays = self.state.capture()
@@ -303,22 +287,13 @@ class Run(Integrator):
     def go(self) -> None:
         """Begin or go on, integrate, and complete the result, also after a failure."""
         self.line(*(f"kept the earlier {a.name} as {b}" for a, b in self.writer.moved))
-        failure: FsiError | None = None
+        failure: Exception | None = None
         found: dict[str, dict[str, float]] | None = None
         try:
             self._begin()
-            with closing(self.run()) as batches:
-                for dt in batches:
-                    self._say_progress(dt)
-                    if self.full:
-                        self.writer.write_series()
-                    if self.passed:
-                        self.frame()
-                    if self.due:
-                        self.checkpoint()
+            self.run()
             if self.t > self.saved_at:  # ended between two saved times
                 self.frame()
-            self.writer.flush()  # so that the summary knows what it took
             found = self.state.errors(self.t, self.opt["fsi_norm"])
             self.line(*(f"note: {text}" for text in steep_waves(self.state, self.opt)))
         except (ComputationError, InputError, file_layout.CheckpointError) as error:
@@ -327,8 +302,7 @@ class Run(Integrator):
                 error.args = ("; ".join([str(error), *self._long_steps]),)
         number = self.stop_signal
         try:
-            if failure is not None:
-                self.writer.flush()
+            self.writer.flush()
             summary = self._summary(failure)
             self.writer.finish(summary, found, join=not number)  # there may be no time to join it
         except FileError as error:
@@ -336,8 +310,9 @@ class Run(Integrator):
                 raise
             failure.args = (f"{failure}; {error}",)
             raise failure from None
-        path: Path = self.writer.path
-        where = f"{self.writer.folder} (opened as {path.name})" if number else str(path)
+        where = str(self.writer.path)
+        if number:
+            where = f"{self.writer.folder} (opened as {self.writer.path.name})"
         norm, errors = self.opt["fsi_norm"], summary_rows(found or {})
         of_kinds = [(f"{norm} errors, {kind}", text) for kind, text in errors]
         self.line(table([*summary_rows(summary, self.s), *of_kinds]), f"result in {where}")
@@ -353,25 +328,22 @@ class Run(Integrator):
 
     def _begin(self) -> None:
         self._say_what_runs()
-        self.ledgers = Ledgers({}, {})  # until there is a state
-        self._long_steps = list[str]()  # what is said of them, at the beginning and after a failure
         if self.past is None:
             self.start()
-            self.frame()
-            self.ledgers = Ledgers(self.state.invariants, self.initial)
             self._long_steps = long_steps(self.state, self.opt)
+            self.frame()
             self.line(*first_notes(self.state, self.opt))
         else:
-            header = self.past.header
-            self.resume(header["memory"], self.past.arrays)
-            self.ledgers = Ledgers(self.state.invariants, self.initial, header["ledgers"])
+            self.resume(self.past.header["memory"], self.past.arrays)
             when = f"step {self.steps}, t = {self.t:.6g}{self.s}"
             self.line(f"goes on from {self.past.path}: {when}")
             if not self.writer.nframes:  # a file of its own
                 self.frame()
-        self._first = self._last = self.t, self.steps, time.monotonic()
+        self._interval = OFTEN if self.opt["fsi_progress"] or sys.stdout.isatty() else USUAL
+        self._first = self.t, self.steps, time.monotonic()
+        self._next_line = self._first[2] + self._interval
 
-    def _summary(self, failure: FsiError | None) -> dict[str, Any]:
+    def _summary(self, failure: Exception | None) -> dict[str, Any]:
         state, ledgers = self.state, self.ledgers
         status = "failed" if failure else "stopped" if self.stop_signal else "done"
         message, loses = str(failure or ""), "lost_energy" in state.latest.dtype.names

@@ -1,4 +1,4 @@
-"""A rank's part of a gas block: its record for procedures, its moving grid, what is saved."""
+"""A rank's parts of gas and of solid blocks: records for procedures, grids, what is saved."""
 
 from collections.abc import Mapping, Sequence
 from types import SimpleNamespace
@@ -7,30 +7,41 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.block_part import BlockPart
-from fsipetsc.blockrun.face_terms import nodes_of
+from fsipetsc.blockrun.block_part import BlockPart, nodes_of
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Centre
 from fsipetsc.blocks.grid import grid_of
+from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.checks import block_values
+from fsipetsc.equations.tensors import add_unit
 from fsipetsc.equations.vectors import dot
 from fsipetsc.errors import InputError
+from fsipetsc.kernels.arrays import zeros
 from fsipetsc.materials.own import check_inverses, knows_entropy
 from fsipetsc.operators.bands import differences, sigma_of
-from fsipetsc.parallel.block_layout import BlockLayout, Part
+from fsipetsc.parallel.block_layout import GATHER_TAG, BlockLayout, Part
+from fsipetsc.parallel.exchange import RowExchange
 from fsipetsc.particles.members import Particle
 from fsipetsc.particles.system import ParticleSystem
-from fsipetsc.scheme import gas_procedures as does
+from fsipetsc.scheme import gas_procedures as of_gas
+from fsipetsc.scheme import solid_procedures as of_solid
 from fsipetsc.scheme.gas_dissipation import GasDamping
 from fsipetsc.scheme.gas_kernels import CONSERVED, convection_of, gas_kernels
 from fsipetsc.scheme.gas_sweep import GasSweep
 from fsipetsc.scheme.monitor import COLUMNS, MONITORED
 from fsipetsc.scheme.normals import normals, turned_faces
 from fsipetsc.scheme.part import Nothing, images
+from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, SolidDamping
+from fsipetsc.scheme.solid_kernels import solid_kernels
+from fsipetsc.scheme.solid_sweep import WIDTH, SolidSweep
 from fsipetsc.scheme.sweep import text_of
 
 Array = NDArray[Any]
+#: procedures of parts, and of those whose grid moves
+OF_GAS = of_gas.rates, of_gas.monitor, of_gas.begin_grid, of_gas.find_places, of_gas.find_volumes
+OF_MOVING_GAS = of_gas.follow, of_gas.edge, of_gas.move, of_gas.swing, of_gas.turn
+OF_SOLID = of_solid.store, of_solid.rates, of_solid.monitor, of_solid.measure, of_solid.stressed
 
 
 class GasPart(BlockPart):
@@ -47,8 +58,8 @@ class GasPart(BlockPart):
         self._check_law(form)
         self.convection = convection_of(form.convection, self.equations)
         damps = self._sigma > 0.0 or form.shock > 0.0
-        around, forces = self._problem.symmetry > 0, any(self.equations.force)
-        self.added = damps or around or forces or self.block.forcing is not None
+        around, self._pulled = self._problem.symmetry > 0, any(self.equations.force)
+        self.added = damps or around or self._pulled or self.block.forcing is not None
         self.reads_ghosted = self.reads_ghosted or damps or around
 
     def _check_law(self, form: Any) -> None:
@@ -77,7 +88,10 @@ class GasPart(BlockPart):
         nodes = np.array([n for members in leading for b, n in members if b == k], np.int64)
         where, self.moves = self.part.ghosted, nodes.size > 0
         self._grid, self.metrics = grid_of(self._problem, k, self._order, where, nodes, faces)
-        self.gather = self._layout.gather(k, nodes, 2 * self._d)
+        share = self._layout.shares[k]  # all its ranks get what the owners of nodes have
+        wanted = dict.fromkeys(share.ranks, np.ones(nodes.size, bool))
+        known = share.owners(nodes), wanted, 2 * self._d
+        self.gather = RowExchange(self._layout.comm, GATHER_TAG + k, *known)
         _, own, particle = system.own(k)
         self._particles = particle[np.searchsorted(own, nodes[self.gather.rows])]
         #: J of the reference map, over which that of the solution is saved and monitored
@@ -92,7 +106,7 @@ class GasPart(BlockPart):
 
     def _record(self, system: Any, begins: Mapping[str, int]) -> Any:
         number = [block.kind for block in self._problem.blocks[: self.part.k]].count("fluid")
-        integrals = does.gas_integrals(self._d)
+        integrals = of_gas.gas_integrals(self._d)
         sums = begins["mass"] + number, *(begins[name] for name in integrals[1:])
         part, d, bands = self.part, self._d, self.part.bands
         sigma, shock = self._sigma, self._form.shock
@@ -111,7 +125,7 @@ class GasPart(BlockPart):
             laws=self.equations,
             volume=self.volume,
             form=self.convection,
-            forced=any(self.equations.force),
+            forced=self._pulled,
             dissipation=damping,
             around=self._problem.symmetry > 0,
             hoops=room if self._problem.symmetry else None,
@@ -129,10 +143,9 @@ class GasPart(BlockPart):
             J=self._J,
             sums=np.zeros(len(integrals)),
         )
-        moving = (does.follow, does.edge, does.move, does.swing, does.turn) if self.moves else ()
-        own = does.rates, does.monitor, does.begin_grid, does.find_places, does.find_volumes
+        moving = OF_MOVING_GAS if self.moves else ()
         text = text_of(made, d, self.volume.width, self._order)
-        return text, record, (*moving, images, normals, *own)
+        return text, record, (*moving, images, normals, *OF_GAS)
 
     def _ends(self) -> SimpleNamespace:
         """The ends of all axes here, which are none along a periodic axis and at a centre."""
@@ -153,13 +166,12 @@ class GasPart(BlockPart):
         for c, values in enumerate(self.equations.conserved(1.0, rho, tuple(u), T)):
             q[:, c] = values
 
-    def stretch(self, q: Array) -> None:
-        """Let J be that of the grid, at the same density, velocity and temperature."""
+    def begin_at_walls(self, q: Array, nodes: Array, u: Array) -> None:
+        """Let J be that of the grid, at the same density, velocity and temperature, and nodes have
+        the velocities u (n, d), at the same temperature.
+        """
         self.does["find_volumes"]()
         q *= (self._J / q[:, 0])[:, None]
-
-    def impose_velocities(self, q: Array, nodes: Array, u: Array) -> None:
-        """Impose the velocities u (n, d) on nodes, at the same temperature."""
         rows, d = self.part.rows(nodes), self._d
         momentum = q[rows, 1, None] * u
         change = (momentum**2 - q[rows, 2 : 2 + d] ** 2).sum(axis=1) / q[rows, 1]
@@ -184,12 +196,11 @@ class GasPart(BlockPart):
         """(…, 2d + 4) what is saved of these rows of the owned nodes: rho, u, T, p, J over that of
         the reference map, x.
         """
-        own, J = self.owned[rows], self.reference[rows]
-        q = q[own]
-        w = self.equations.primitive(tuple(q.T))
+        own = self.owned[rows]
+        w, J = self.equations.primitive(tuple(q[own].T)), q[own, 0] / self.reference[rows]
         self.does["find_places"]()
         x = self._places[:, own]
-        return np.stack([w[0], *self.equations.velocity(w), w[2], w[1], q[:, 0] / J, *x], axis=-1)
+        return np.stack([w[0], *self.equations.velocity(w), w[2], w[1], J, *x], axis=-1)
 
 
 def loose_gases(problem: BlockProblem, convection: str) -> list[Block]:
@@ -198,3 +209,125 @@ def loose_gases(problem: BlockProblem, convection: str) -> list[Block]:
     of_gases = [gas.material.equations(problem.dimension, problem.symmetry) for gas in gases]
     pairs = zip(gases, of_gases, strict=True)
     return [gas for gas, of in pairs if any(of.force) and not convection_of(convection, of).raises]
+
+
+class SolidPart(BlockPart):
+    """One part of a solid block.
+
+    metrics: (d d + 1, ghosted nodes), A^k and J0; inertia: J0 m0; reference: J0 of owned nodes;
+    prestress: (d d, ghosted nodes), if there is one.
+    """
+
+    def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
+        super().__init__(layout, part, order, form)
+        d = self._d
+        self.equations = self.block.material.equations(d, self._problem.symmetry)
+        self.metrics = solid_metrics(self._problem, part.k, order, part.ghosted)
+        self.inertia = self.metrics[d * d] * self.equations.m0
+        self.reference = self.metrics[d * d, self.owned]
+        strain = self.equations.unstrained((0.0,) * d)
+        self.F = zeros((len(strain), part.numbers.size))
+        self.prestress = None
+        if self.block.prestress is not None:
+            self.prestress = np.array(block_values(self.block, "prestress", self.X, 0.0))
+        self._dissipation = self._damping()
+        damps = not isinstance(self._dissipation, Nothing)
+        self.added = damps or self.block.forcing is not None
+        self.reads_ghosted = self.reads_ghosted or damps or part.signs.size > 0
+
+    def _damping(self) -> Any:
+        """What adds the term of all nodes, and after it that of shocks."""
+        order, form = self._order, self._form
+        sigma = sigma_of(form.dissipation, self._problem.joined) / 4.0 ** (order // 2)
+        terms = (2, 0.0, AT_SHOCKS * form.shock), (order, sigma, -sigma * (form.shock > 0.0))
+        found: Any = Nothing()
+        for order_of_term, a, b in terms:
+            if a > 0.0 or b > 0.0:
+                apart = differences(self._d, order_of_term, self.part.bands, self.block.cells)
+                found = SolidDamping(self.equations, apart, a, b, found)
+        return found
+
+    def initial(self, t: float, q: Array) -> None:
+        d, X = self._d, self.X[:, self.owned]
+        values = block_values(self.block, "initial", X, t)
+        v, T, x = values[:d], values[d], values[d + 1 :]
+        for c in range(d):
+            q[:, c], q[:, d + c] = x[c] - X[c], v[c]
+        solid = self.equations
+        q[:, 2 * d] = solid.alpha * T + 0.5 * sum(c * c for c in v)
+        if not solid.coupled:
+            F, stored = self._strain_of_case(), 0.0
+            if self.prestress is not None:  # S : (F - 1)
+                S = tuple(self.prestress[:, self.owned])
+                stored = dot(S, add_unit(-1.0, tuple(F))) / solid.m0
+            q[:, 2 * d] += solid.energy(F) / solid.m0 + stored
+
+    def _strain_of_case(self) -> tuple[Array, ...]:
+        """F of the owned nodes from the case's places, which it knows in halos as well."""
+        q, X = np.zeros((self.X.shape[1], 2 * self._d + 1)), self.X.copy()
+        if self._problem.centred(self.part.k):  # what is odd in r has images of the other sign
+            X[-1] = abs(X[-1])
+        places = block_values(self.block, "initial", X, 0.0)[self._d + 1 :]
+        for c in range(self._d):
+            q[:, c] = (places[c] - X[c]) * np.where(X[c] == self.X[c], 1.0, -1.0)
+        self.measure(q)
+        return tuple(self.F)
+
+    def measure(self, q: Array) -> None:
+        """Find F (d d, M), with hoops (2, M), of the owned nodes; q: (N, 2d + 1)."""
+        own = np.ascontiguousarray(q[self.owned].T)
+        self.does["measure"](own.reshape(-1), np.ascontiguousarray(q.T).reshape(-1))
+
+    def _record(self, system: Any, begins: Mapping[str, int]) -> Any:
+        part, d, S, problem = self.part, self._d, self.prestress, self._problem
+        ends = []  # in one dimension
+        for number, (_, k) in enumerate(problem.interfaces if d == 1 else ()):
+            for row in part.rows_among(problem.interface_nodes(number)) if k == part.k else ():
+                at = self.owned[row]
+                ends.append((number, row, self.X[0, at], 0.0 if S is None else S[0, at]))
+        rows, nodes, _ = system.own(part.k, stores=True)
+        self.reads_ghosted = self.reads_ghosted or rows.size > 0
+        kernels = solid_kernels(self.equations, d, self._order, S is not None)
+        integrals = of_solid.solid_integrals(d)
+        columns = [begins[name] for name in (*integrals, "lost_energy") if name in begins]
+        record = SimpleNamespace(
+            **self._common(begins),
+            columns=np.array(columns),
+            volume=SolidSweep(self.equations, d, kernels, part.bands, part.patch),
+            laws=self.equations,
+            dissipation=self._dissipation,
+            loses=problem.loses(part.k),
+            inertia=self.inertia,
+            prestress=S,
+            room=np.zeros((MONITORED + len(integrals), part.patch.own[0])),
+            masses=self.weights * self.inertia[self.owned],
+            F=self.F,
+            sums=np.zeros(len(integrals) + 1),
+            interfaces=np.array(ends, float).reshape(-1, 4),
+            stored_at=part.patch.ghosted_rows(part.rows(nodes)),
+            rows_of_stored=rows,
+        )
+        return text_of(kernels, d, WIDTH, self._order), record, (images, normals, *OF_SOLID)
+
+    def stressed(self, q: Array, rows: Any) -> tuple[Array, Array, Array, Array]:
+        """T, p (n,), Cauchy stress (d, d, n) and that of hoops (1, n), or (0, n) without hoops, of
+        owned nodes, by the last F.
+        """
+        d, around = self._d, self._problem.symmetry > 0
+        found = np.empty((2 + d * d + around, self.owned.size))
+        self.does["stressed"](np.ascontiguousarray(q.T).reshape(-1), found.reshape(-1))
+        (T, p), stress, hoops = np.split(found[:, rows], [2, 2 + d * d])
+        return T, p, stress.reshape(d, d, -1) - self.faces.p_ref * np.eye(d)[..., None], hoops
+
+    def fields(self, q: Array, rows: slice = slice(None)) -> Array:
+        """(…, …) what is saved of these rows of the owned nodes: v, T, Cauchy stress, x; in one
+        dimension its part sigma, and p after x; then sigma_theta of hoops.
+        """
+        self.measure(q)
+        d, nodes = self._d, self.owned[rows]
+        T, p, stress, hoops = self.stressed(q, rows)
+        v, x = q[nodes, d : 2 * d].T, self.X[:, nodes] + q[nodes, :d].T
+        hoops = hoops + p * (d == 1)
+        if d > 1:
+            return np.stack([*v, T, *stress[np.triu_indices(d)], *x, *hoops], axis=-1)
+        return np.stack([*v, T, stress[0, 0] + p, *x, p, *hoops], axis=-1)
