@@ -73,14 +73,24 @@ def distance(a, b, per_a, per_b):
     return a * per_b + (b * per_a - 2.0)
 
 
-def near_mean(a, b, z):
-    """The logarithmic mean of a and b, of distance z <= NEAR."""
-    return 0.5 * (a + b) * _quintic(z, *_A)
+def logarithmic_mean(a, b, z, near):
+    """The logarithmic mean of two positive numbers of distance z; near: z <= NEAR is known."""
+    close = 0.5 * (a + b) * _quintic(z, *_A)
+    return close if near else np.where(z > NEAR, (a - b) / _logarithm_of_ratio(a, b, z), close)
 
 
-def near_harmonic_mean(a, b, z):
-    """1 / (the logarithmic mean of 1/a and 1/b), for z <= NEAR."""
-    return 0.5 * (a + b) * _quintic(z, *_B)
+def harmonic_mean(a, b, z, near):
+    """1 / (the logarithmic mean of 1/a and 1/b)."""
+    close = 0.5 * (a + b) * _quintic(z, *_B)
+    if near:
+        return close
+    far = a * b * (_logarithm_of_ratio(a, b, z) / np.where(z > NEAR, a - b, 1.0))
+    return np.where(z > NEAR, far, close)
+
+
+def _logarithm_of_ratio(a, b, z):
+    """ln(a/b) if z > NEAR, else 1."""
+    return np.log(np.where(z > NEAR, a / b, np.e))
 
 
 def _quintic(z, c0, c1, c2, c3, c4, c5):
@@ -89,27 +99,18 @@ def _quintic(z, c0, c1, c2, c3, c4, c5):
     return (c0 + z * c1) + square * ((c2 + z * c3) + square * (c4 + z * c5))
 
 
-def logarithm_of_ratio(a, b, z):
-    """ln(a/b) if z > NEAR, else 1."""
-    return np.log(np.where(z > NEAR, a / b, np.e))
-
-
-def logarithmic_mean(a, b, z):
-    """The logarithmic mean of any two positive numbers, of distance z."""
-    return np.where(z > NEAR, (a - b) / logarithm_of_ratio(a, b, z), near_mean(a, b, z))
-
-
-def harmonic_mean(a, b, z):
-    """1 / (the logarithmic mean of 1/a and 1/b)."""
-    far = a * b * (logarithm_of_ratio(a, b, z) / np.where(z > NEAR, a - b, 1.0))
-    return np.where(z > NEAR, far, near_harmonic_mean(a, b, z))
-
-
 class Gas(NamedTuple):
     """The equations for a gas law, a transport law and numbers.
 
     law, transport: as in fsipetsc.materials. mu: viscosity [Pa s], kappa: conductivity [W/(m K)];
     the transport law multiplies both. force: (d,) body force per mass [m/s2].
+
+    radial: around an axis or a centre, along which r is the last coordinate. With A = |r|^kappa,
+    a^k = (b^k_1, A b^k_2) and w = (v_1, A v_2), in one dimension their last numbers,
+
+        g = (b_l . w_r + b_r . w_l)/2,    J_t = sum_k (b^k . D_k w + w . D_k b^k)
+
+    belong to each other exactly: see fsipetsc.blocks.grid. Here v is (v_1, v_2, A).
     """
 
     law: Any
@@ -117,6 +118,7 @@ class Gas(NamedTuple):
     mu: float
     kappa: float
     force: tuple[float, ...]
+    radial: bool = False
 
     def primitive(self, q):
         """w of q = (J, J rho, J rho u, J E)."""
@@ -152,10 +154,13 @@ class Gas(NamedTuple):
 
     def of_grid(self, like):
         """As many numbers as v has: what is known of the grid at a node beside its area vectors."""
-        return like
+        return (*like, 0.0) if self.radial else like
 
     def volume_flux(self, a_l, v_l, a_r, v_r):
         """g of two nodes, from their area vectors and velocities of the grid."""
+        if self.radial:
+            A_l, A_r = v_l[-1] + 1e-300, v_r[-1] + 1e-300  # A is 0 beyond the ends of rows
+            v_l, v_r = last_times(A_l / A_r, v_l[:-1]), last_times(A_r / A_l, v_r[:-1])
         return 0.5 * (dot(a_l, v_r) + dot(a_r, v_l))
 
     def mean_flux(self, l, r, a_l, a_r, g):
@@ -165,13 +170,12 @@ class Gas(NamedTuple):
 
     def mean_density(self, l, r, near):
         """rho^ of two nodes; near: pair_distance is at most NEAR, and no logarithm is needed."""
-        z = distance(l[0], r[0], l[-2], r[-2])
-        return (near_mean if near else logarithmic_mean)(l[0], r[0], z)
+        return logarithmic_mean(l[0], r[0], distance(l[0], r[0], l[-2], r[-2]), near)
 
     def pair_flux(self, l, r, a_l, a_r, g, near):
         """F of two nodes, near ones in a third of the time; linear in a_l, a_r and g."""
         rho, z = self.mean_density(l, r, near), distance(l[2], r[2], l[-1], r[-1])
-        T = (near_harmonic_mean if near else harmonic_mean)(l[2], r[2], z)
+        T = harmonic_mean(l[2], r[2], z, near)
         a, u_l, u_r, law = mean(a_l, a_r), l[3:-2], r[3:-2], self.law
         through_l, through_r = dot(a, u_l), dot(a, u_r)
         relative = 0.5 * (through_l + through_r) - g
@@ -259,23 +263,3 @@ class Gas(NamedTuple):
         mu, kappa = self.transport.viscosity(w[2]), self.transport.conductivity(w[2])
         of_heat = self.kappa * kappa / self.law.heat_capacity(w[0], w[2])
         return np.maximum(4.0 / 3.0 * self.mu * mu, of_heat) * w[-2]
-
-
-class RadialGas(Gas):
-    """The equations around an axis or a centre, along which r is the last coordinate. With A =
-    |r|^kappa, a^k = (b^k_1, A b^k_2) and w = (v_1, A v_2), in one dimension their last numbers,
-
-        g = (b_l . w_r + b_r . w_l)/2,    J_t = sum_k (b^k . D_k w + w . D_k b^k)
-
-    belong to each other exactly: see fsipetsc.blocks.grid. Here v is (v_1, v_2, A).
-    """
-
-    def of_grid(self, like):
-        """A velocity of zeros, as many numbers as v has."""
-        return (*like, 0.0)
-
-    def volume_flux(self, a_l, v_l, a_r, v_r):
-        """g of two nodes."""
-        A_l, A_r = v_l[-1] + 1e-300, v_r[-1] + 1e-300  # A is 0 beyond the ends of rows
-        there, here = last_times(A_r / A_l, v_r[:-1]), last_times(A_l / A_r, v_l[:-1])
-        return 0.5 * (dot(a_l, there) + dot(a_r, here))

@@ -38,10 +38,10 @@ from fsipetsc.equations.tensors import (
     apply,
     bordered,
     cofactor,
-    corner,
     determinant,
     largest_stretch,
     outer,
+    rows,
     square_root,
     transpose,
 )
@@ -90,10 +90,6 @@ class Solid(NamedTuple):
         """
         return last_times(self.weight(x) / (len(self.around) + 1), x)
 
-    def rows(self, like):
-        """How many numbers the metrics of a node are: A^k, J0, and R around an axis."""
-        return len(like) ** 2 + 1 + min(len(self.around), 1)
-
     def with_hoops(self, F, D, R):
         """F with the hoop stretch, if any, from the displacement D and the radius R at rest."""
         return (*F, 1.0 + D[-1] / R) if self.around else F
@@ -129,7 +125,8 @@ class Solid(NamedTuple):
         return along(self.law.stress(F), -self.pressure_at(determinant(F), T), cofactor(F))
 
     def stress_at(self, F, T):
-        return corner(self.full_stress(F, T), isqrt(len(F)))
+        d = isqrt(len(F))
+        return tuple(entry for row in rows(self.full_stress(F, T))[:d] for entry in row[:d])
 
     def line_stress(self, F):
         """Stress of the law in one dimension [Pa]; around an axis or a centre that of Cauchy."""

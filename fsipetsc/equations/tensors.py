@@ -57,10 +57,6 @@ def bordered(F: Tensor, c: Any, more: int) -> Tensor:
     return tuple(entry for row in (*wider, *last) for entry in row)
 
 
-def corner(F: Tensor, d: int) -> Tensor:
-    return tuple(entry for row in rows(F)[:d] for entry in row[:d])
-
-
 def cofactor(F: Tensor) -> Tensor:
     """det F times F^-T."""
     if len(F) == 1:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, described, number, numbers
-from fsipetsc.equations.gas import Gas, RadialGas
+from fsipetsc.equations.gas import Gas
 from fsipetsc.errors import InputError
 from fsipetsc.materials import own
 from fsipetsc.materials.stiffened_gas import PerfectGas
@@ -63,8 +63,8 @@ class Fluid:
 
     def equations(self, d: int, symmetry: int = 0) -> Gas:
         """Its equations, also around an axis or a centre; InputError if force has not d numbers."""
-        force, kind = force_in(self.force, d, "Fluid"), RadialGas if symmetry else Gas
-        return kind(self.gas_law, self.transport_law, self.mu, self.kappa, force)
+        laws, force = (self.gas_law, self.transport_law), force_in(self.force, d, "Fluid")
+        return Gas(*laws, self.mu, self.kappa, force, bool(symmetry))
 
 
 def force_in(force: Any, d: int, owner: str) -> tuple[float, ...]:
