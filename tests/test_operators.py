@@ -45,7 +45,7 @@ def test_summation_by_parts(op: SBPOperator, extra: int) -> None:
 @ALL
 def test_order_of_accuracy(op: SBPOperator) -> None:
     """Rows are exact up to their order, and those of either kind are not all exact beyond it."""
-    n, r, s = op.min_points + 2, op.rows, op.boundary_order
+    n, r, s = op.min_points + 2, op.rows, op.p
     for degree in range(op.order + 1):
         error = derivative_error(op, n, degree)
         assert not any(error[r:-r]) and (degree > s or not any(error))
@@ -143,7 +143,7 @@ def test_remainder_is_symmetric_and_positive_semidefinite(op: SBPOperator) -> No
 @ALL
 def test_accuracy(op: SBPOperator) -> None:
     """(b u')' of polynomials: order 2p inside; where closures reach as exact as D twice."""
-    n, s = 2 * op.rows + 6 * op.p + 4, op.boundary_order
+    n, s = 2 * op.rows + 6 * op.p + 4, op.p
     x = exact([Fraction(i) for i in range(n)])
     D, norm = exact(op.exact_matrix(n)), exact_norm(op, n)
     inner = slice(op.rows + 2 * op.p, n - op.rows - 2 * op.p)

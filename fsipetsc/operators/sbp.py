@@ -20,11 +20,11 @@ Differential Equations (1974), 195-212 (existence, norms); B. Strand, J. Comput.
 47-67 (the operators and their free parameters).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from math import comb, prod
+from math import comb
 from typing import Any
 
 import numpy as np
@@ -42,16 +42,39 @@ class SBPOperator:
     Exact coefficients, all for h = 1 and the left end, whose points are counted from 0; at the
     right end columns are mirrored and signs change.
 
-    order: interior order, 2p. boundary_order: s. norm: (rows,) weights at the points of the
-    closure, 1 elsewhere. interior: (p,) weights of v[i+1], v[i+2], ...; those of v[i-1], ... are
-    their negatives. free: entries (i, j), i < j, of Q that accuracy leaves free.
+    norm: (rows,) weights at the points of the closure, 1 elsewhere. interior: (p,) weights of
+    v[i+1], v[i+2], ...; those of v[i-1], ... are their negatives. free: entries (i, j), i < j, of Q
+    that accuracy leaves free.
     """
 
-    order: int
-    boundary_order: int
     norm: tuple[Fraction, ...]
     interior: tuple[Fraction, ...]
     free: Mapping[tuple[int, int], Fraction] = field(default_factory=dict, compare=False)
+
+    @property
+    def rows(self) -> int:
+        """Number of closure rows at each end."""
+        return len(self.norm)
+
+    @property
+    def p(self) -> int:
+        """Half width of the interior stencil, and the order of the closure."""
+        return len(self.interior)
+
+    @property
+    def order(self) -> int:
+        """Interior order."""
+        return 2 * self.p
+
+    @property
+    def name(self) -> str:
+        """Interior and boundary order, as in "4/2"."""
+        return f"{self.order}/{self.p}"
+
+    @property
+    def min_points(self) -> int:
+        """Fewest grid points on which the closures of both ends fit."""
+        return 2 * self.rows
 
     @cached_property
     def closure(self) -> tuple[tuple[Fraction, ...], ...]:
@@ -72,39 +95,20 @@ class SBPOperator:
         for (i, j), value in self.free.items():
             q[i][j], q[j][i] = value, -value
         for i in reversed(range(1, r)):
-            unknown = range(min(i, self.boundary_order + 1))
+            unknown = range(min(i, p + 1))
             known = [j for j in range(len(unknown), r + p) if q[i][j]]
             for m in unknown:
-                from_known = sum(q[i][j] * _lagrange(unknown, m, j) for j in known)
-                value = self.norm[i] * _lagrange_derivative(unknown, m, i) - from_known
+                l = np.poly1d([k for k in unknown if k != m], True)  # l_m l(m): whole numbers
+                from_known = sum(q[i][j] * Fraction(l(j)) for j in known)
+                value = (self.norm[i] * Fraction(l.deriv()(i)) - from_known) / Fraction(l(m))
                 q[i][m], q[m][i] = value, -value
         return tuple(tuple(entry / weight for entry in row) for row, weight in zip(q, self.norm))
-
-    @property
-    def name(self) -> str:
-        """Interior and boundary order, as in "4/2"."""
-        return f"{self.order}/{self.boundary_order}"
-
-    @property
-    def p(self) -> int:
-        """Half width of the interior stencil."""
-        return len(self.interior)
-
-    @property
-    def rows(self) -> int:
-        """Number of closure rows at each end."""
-        return len(self.norm)
 
     @property
     def reach(self) -> int:
         """Largest distance, in points, from a point to one that its derivative uses."""
         rows = enumerate(self.closure)
         return max(self.p, *(abs(j - i) for i, row in rows for j, w in enumerate(row) if w))
-
-    @property
-    def min_points(self) -> int:
-        """Fewest grid points on which the closures of both ends fit."""
-        return 2 * self.rows
 
     def matrix(self, n: int, h: float = 1.0) -> NDArray[np.float64]:
         """D as a dense (n, n) array on spacing h > 0; n: min_points or more."""
@@ -124,25 +128,11 @@ class SBPOperator:
     def norm_weights(self, n: int) -> NDArray[np.float64]:
         """The diagonal of H, shape (n,), without h. ValueError if n < min_points."""
         if n < self.min_points:
-            least = f"at least {self.min_points} points"
-            raise ValueError(f"the {self.name} operator needs {least}, not {n}")
+            raise ValueError(f"the {self.name} operator needs {self.min_points} points, not {n}")
         weights = np.ones(n)
         weights[: self.rows] = self.norm
         weights[n - self.rows :] = weights[: self.rows][::-1]
         return weights
-
-
-def _lagrange(nodes: Sequence[int], m: int, x: int) -> int:
-    """l_m(x) for consecutive integer nodes and an integer x, where it is an integer."""
-    others = [k for k in nodes if k != m]
-    return prod(x - k for k in others) // prod(m - k for k in others)
-
-
-def _lagrange_derivative(nodes: Sequence[int], m: int, x: int) -> Fraction:
-    """l_m'(x)."""
-    others = [k for k in nodes if k != m]
-    by_product_rule = sum(prod(x - k for k in others if k != left_out) for left_out in others)
-    return Fraction(by_product_rule, prod(m - k for k in others))
 
 
 def fractions(text: str) -> tuple[Fraction, ...]:
@@ -162,14 +152,13 @@ _NORM_OF_8 = (
 )
 _FREE_OF_6 = {(4, 5): Fraction(5591070156686698065364559, 7931626489314500743872000)}  # 0.7049
 _FREE_OF_8 = {(5, 6): Fraction(7, 10), (5, 7): Fraction(-61, 500), (6, 7): Fraction(1519, 2000)}
-_ALL = (
-    SBPOperator(2, 1, fractions("1/2"), fractions("1/2")),
-    SBPOperator(4, 2, fractions("17/48 59/48 43/48 49/48"), fractions("2/3 -1/12")),
-    SBPOperator(6, 3, fractions(_NORM_OF_6), fractions("3/4 -3/20 1/60"), _FREE_OF_6),
-    SBPOperator(8, 4, fractions(_NORM_OF_8), fractions("4/5 -1/5 4/105 -1/280"), _FREE_OF_8),
-)
 #: by interior order
-OPERATORS = {op.order: op for op in _ALL}
+OPERATORS = {
+    2: SBPOperator(fractions("1/2"), fractions("1/2")),
+    4: SBPOperator(fractions("17/48 59/48 43/48 49/48"), fractions("2/3 -1/12")),
+    6: SBPOperator(fractions(_NORM_OF_6), fractions("3/4 -3/20 1/60"), _FREE_OF_6),
+    8: SBPOperator(fractions(_NORM_OF_8), fractions("4/5 -1/5 4/105 -1/280"), _FREE_OF_8),
+}
 
 
 def row_length(op: SBPOperator) -> int:
