@@ -11,7 +11,7 @@ from fsipetsc.errors import FsiError
 from fsipetsc.kernels.procedure import Calls, Procedure
 from fsipetsc.process.together import agree, together
 from fsipetsc.scheme import plan
-from fsipetsc.scheme.runge_kutta import FRACTIONS, STAGES
+from fsipetsc.scheme.plan import FRACTIONS, STAGES
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
 FAULT = 1000.0

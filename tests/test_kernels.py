@@ -26,7 +26,8 @@ from fsipetsc.kernels.loops import each, number, otherwise, pick, stop, variable
 from fsipetsc.kernels.symbols import MADE, Record, derivatives, exact, replay
 from fsipetsc.materials.stiffened_gas import PerfectGas
 from fsipetsc.materials.sutherland import ConstantTransport
-from fsipetsc.scheme.gas_kernels import convection_of, gas_kernels
+from fsipetsc.scheme.gas_sweep import gas_kernels
+from fsipetsc.scheme.gas_terms import convection_of
 from fsipetsc.scheme.sweep import text_of
 
 

@@ -15,7 +15,7 @@ from fsipetsc.materials.solid import ElasticSolid, Solid
 from fsipetsc.materials.solid_pressure import mie_gruneisen
 from fsipetsc.materials.stiffened_gas import PerfectGas, stiffened_gas
 from fsipetsc.materials.sutherland import sutherland
-from fsipetsc.scheme.gas_kernels import convection_of
+from fsipetsc.scheme.gas_terms import convection_of
 
 # the pressure of a solid in one dimension
 

@@ -1,5 +1,5 @@
 """What a rank's parts of gas and solid blocks have in common, and what passes their faces: lists of
-nodes and their data, for fsipetsc.scheme.face_kernels.
+nodes and their data, for fsipetsc.scheme.faces.
 """
 
 from __future__ import annotations
@@ -24,9 +24,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.kernels.symbols import Symbol, numbers_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
-from fsipetsc.scheme.face_kernels import GasFaces, SolidFaces
-from fsipetsc.scheme.monitor import MONITORED
-from fsipetsc.scheme.part import Nothing
+from fsipetsc.scheme.faces import Faces, load_face, pass_face
 from fsipetsc.scheme.recorded_data import Source, asked, positive
 from fsipetsc.scheme.sweep import in_order
 
@@ -52,7 +50,7 @@ class FaceTerms:
         block = problem.blocks[k]
         self._d, self._gas, self.p_ref = d, block.kind == "fluid", _left_out(problem, k)
         self.sources, self._slips = list[Source](), list[tuple[Array, slice, Array]]()
-        self.record: Any = Nothing()
+        self.record: Any = None
         alike = [n for n, other in enumerate(problem.blocks) if other.kind == block.kind]
         # blocks of one kind have one text
         effects = list(dict.fromkeys(effect for n in alike for *_, effect in _acting(problem, n)))
@@ -72,11 +70,11 @@ class FaceTerms:
         of_both: dict[str, Any] = dict(zip(names, nodes, strict=True), groups=tuple(groups))
         of_both["pressure"], of_both["heat"], more = np.zeros((3, n))
         if self._gas:
-            self.record = GasFaces(**of_both, outside=np.zeros((n, d + 2)), width=more)
+            own = {"outside": np.zeros((n, d + 2)), "width": more, "add_node": pass_face}
         else:
             traction, normal = np.zeros((2, n, d))
-            own = {"traction": traction, "normal": normal, "X": X, "turned": ()}
-            self.record = SolidFaces(**of_both, **own, stress=more)
+            own = {"traction": traction, "normal": normal, "stress": more, "add_node": load_face}
+        self.record = Faces(**of_both, **own, turned=())
         turned = []
         for (axis, side, condition, effect), where in zip(acting, places, strict=True):
             if d == 3 and not self._gas:
@@ -216,8 +214,12 @@ class BlockPart:
     """
 
     added: bool
+    dissipation: tuple[Any, ...] = ()
     metrics: Array
     at_particles: Any
+    equations: Any
+    add_force: Any  # functions that add to rates: a constant force, forcing
+    supply: Any
     _record: Any  # (system, begins) -> the text of its kernels, its record, what becomes procedures
 
     def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
@@ -230,7 +232,7 @@ class BlockPart:
         self.weights = part.weights(self.owned)
         self.faces = FaceTerms(self._problem, part, order, self.X)
         self.sources, self.forcing = self.faces.sources, None
-        self.reads_ghosted = not isinstance(self.faces.record, Nothing)
+        self.reads_ghosted = self.faces.record is not None
         if self.block.forcing is not None:
             rows, x = d + 2 if self.block.kind == "fluid" else 2 * d + 1, self.X[:, self.owned]
             self.forcing = np.zeros((rows, self.owned.size))
@@ -265,7 +267,7 @@ class BlockPart:
     def record(self, system: Any, found: Any, begins: Mapping[str, int]) -> Code:
         """Record the procedures of this part. InputError, perhaps on this rank alone.
 
-        system: of particles; found: see fsipetsc.scheme.runge_kutta; begins: name -> where a series
+        system: of particles; found: see fsipetsc.scheme.plan; begins: name -> where a series
         begins in the record of a step.
         """
         text, record, functions = self._record(system, begins)
@@ -277,23 +279,32 @@ class BlockPart:
         return code
 
     def _common(self, begins: Mapping[str, int]) -> dict[str, Any]:
-        part, d = self.part, self._d
+        part, d, sizes = self.part, self._d, self.part.patch.ghosted
+        reaches, forced = [band.reach for band in part.bands], any(self.equations.force)
+        S, weight = np.zeros((3, 1 + max(reaches), max(sizes))), np.zeros((3, max(sizes)))
+        for k, band in enumerate(part.bands):
+            S[k, : 1 + band.reach, : sizes[k]], weight[k, : sizes[k]] = band
+        supplies = (self.add_force,) * forced + (self.supply,) * (self.forcing is not None)
         return {
             "like": (0.0,) * d,
             "free": in_order(self.free, d),
-            "faces": self.faces.record,
+            "terms": (*self.dissipation, *filter(None, [self.faces.record])),
+            "supplies": supplies,
+            "forced": forced,
+            "loses": self._problem.loses(part.k),
             "block": part.k,
             "begin": part.begin,
+            "dof": part.dof,
             "halo": part.local if part.has_halo else np.empty((part.dof, 0)),
             "signs": part.signs,
             "X": self.X,
             "metrics": self.metrics,
-            "S": tuple(np.ascontiguousarray(band.S) for band in part.bands),
-            "weight": tuple(np.ascontiguousarray(band.weight) for band in part.bands),
+            "S": S,
+            "weight": weight,
+            "axes": np.array([reaches, sizes, np.cumprod([1, *sizes[:2]])]).T.copy(),
             "patch": part.patch,
             "per_h": np.array(self.block.cells, float),
             "at_particles": self.at_particles,
             "forcing": self.forcing,
-            "seen": np.zeros(MONITORED),
-            "level": begins.get("potential_energy", -1),
+            "columns": SimpleNamespace(**begins),
         }

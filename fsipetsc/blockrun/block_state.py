@@ -25,9 +25,8 @@ from fsipetsc.particles.system import ParticleSystem
 from fsipetsc.process.together import agree, libraries, together
 from fsipetsc.scheme.monitor import MONITORED
 from fsipetsc.scheme.observables import PLACES, VELOCITIES
-from fsipetsc.scheme.plan import RATE
-from fsipetsc.scheme.recorded_data import Recorder
-from fsipetsc.scheme.runge_kutta import STAGES
+from fsipetsc.scheme.plan import RATE, STAGES
+from fsipetsc.scheme.recorded_data import set_data, timed
 from fsipetsc.state import State
 
 #: by order: how much shorter steps are with dissipation of strength 1 at shocks. That alone is a
@@ -134,11 +133,13 @@ class BlockState(State):
         codes = together(comm, lambda: [part.record(*about) for part in parts])
         calling = Code(exchange_text())
         does: dict[str, Any] = procedures_of_steps(calling, found)
-        timed = () if self.problem.steady_data else (*parts, self.particles.prescribed)
-        recorders = [Recorder(part.sources) for part in timed]
-        self._ask([why for recorder in recorders for why in recorder.refused])
-        made = [recorder.code(found.time) for recorder in recorders if not self.asked]
-        data = [code for code in made if code is not None]
+        having = () if self.problem.steady_data else (*parts, self.particles.prescribed)
+        of_data = [timed(part.sources) for part in having]
+        self._ask([why for _, refused in of_data for why in refused])
+        sources = [some for some, _ in of_data if some and not self.asked]
+        data = [Code() for _ in sources]
+        for code, some in zip(data, sources, strict=True):
+            code.procedure("set_data", set_data, tuple(some), found.time)
         codes += [*data, self.particles.procedures(gain), calling]
         texts = [code.text for code in codes]
         for code, library in zip(codes, libraries(comm, texts, announce), strict=True):
@@ -154,7 +155,8 @@ class BlockState(State):
         self._data = [code.procedures[0] for code in data]
         if not self.asked:  # as data of a wall that begins with an infinite acceleration
             self._fill(0.0)
-            bad = [what for recorder in recorders for what in recorder.faulty()]
+            every = [(one.about, of) for some in sources for one in some for of in one.targets]
+            bad = [about for about, of in every if not np.isfinite(of).all()]
             self._ask([f"{what}: it is not finite at t = 0" for what in bad])
         self.particles.begin()
         for gas in self._gases:
@@ -363,7 +365,7 @@ class BlockState(State):
 
     @property
     def invariants(self) -> dict[str, Any]:
-        """Those of the problem that hold in this form (fsipetsc.scheme.gas_force)."""
+        """Those of the problem that hold in this form (fsipetsc.scheme.gas_terms)."""
         found = self.problem.invariants
         return {**found, "potential": found["potential"] and not self.loose}
 

@@ -1,6 +1,6 @@
 """A rank's parts of gas and of solid blocks: records for procedures, grids, what is saved."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -26,28 +26,28 @@ from fsipetsc.particles.members import Particle
 from fsipetsc.particles.system import ParticleSystem
 from fsipetsc.scheme import gas_procedures as of_gas
 from fsipetsc.scheme import solid_procedures as of_solid
-from fsipetsc.scheme.gas_dissipation import GasDamping
-from fsipetsc.scheme.gas_kernels import CONSERVED, convection_of, gas_kernels
-from fsipetsc.scheme.gas_sweep import GasSweep
-from fsipetsc.scheme.monitor import COLUMNS, MONITORED
-from fsipetsc.scheme.normals import normals, turned_faces
-from fsipetsc.scheme.part import Nothing, images
-from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, SolidDamping
-from fsipetsc.scheme.solid_kernels import solid_kernels
-from fsipetsc.scheme.solid_sweep import WIDTH, SolidSweep
+from fsipetsc.scheme.dissipation import AT_SHOCKS, GasDamping, SolidDamping
+from fsipetsc.scheme.faces import normals
+from fsipetsc.scheme.gas_sweep import GasSweep, gas_kernels
+from fsipetsc.scheme.gas_terms import CONSERVED, add_force, add_radial, convection_of
+from fsipetsc.scheme.monitor import COLUMNS, ROOM
+from fsipetsc.scheme.part import images, rates
+from fsipetsc.scheme.solid_sweep import WIDTH, SolidSweep, solid_kernels
 from fsipetsc.scheme.sweep import text_of
 
 Array = NDArray[Any]
 #: procedures of parts, and of those whose grid moves
-OF_GAS = of_gas.rates, of_gas.monitor, of_gas.begin_grid, of_gas.find_places, of_gas.find_volumes
+OF_GAS = rates, of_gas.monitor, of_gas.begin_grid, of_gas.find_places, of_gas.find_volumes
 OF_MOVING_GAS = of_gas.follow, of_gas.edge, of_gas.move, of_gas.swing, of_gas.turn
-OF_SOLID = of_solid.store, of_solid.rates, of_solid.monitor, of_solid.measure, of_solid.stressed
+OF_SOLID = of_solid.store, rates, of_solid.monitor, of_solid.measure, of_solid.stressed
 
 
 class GasPart(BlockPart):
     """One part of a gas block. metrics: (d d + d, N), a^k and the velocity of the grid; around an
     axis also A.
     """
+
+    add_force, supply = staticmethod(add_force), staticmethod(of_gas.supply)
 
     def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
         super().__init__(layout, part, order, form)
@@ -58,8 +58,8 @@ class GasPart(BlockPart):
         self._check_law(form)
         self.convection = convection_of(form.convection, self.equations)
         damps = self._sigma > 0.0 or form.shock > 0.0
-        around, self._pulled = self._problem.symmetry > 0, any(self.equations.force)
-        self.added = damps or around or self._pulled or self.block.forcing is not None
+        around, pulled = self._problem.symmetry > 0, any(self.equations.force)
+        self.added = damps or around or pulled or self.block.forcing is not None
         self.reads_ghosted = self.reads_ghosted or damps or around
 
     def _check_law(self, form: Any) -> None:
@@ -78,7 +78,8 @@ class GasPart(BlockPart):
         """Let the grid follow the particles that have a solid, or are on walls that move.
         Collective on the block's ranks.
         """
-        faces = turned_faces(self.at_particles, self.part.patch)
+        of = self.at_particles
+        faces = sorted(set(zip(of.axis.tolist(), of.index.tolist(), strict=True)))
         k, blocks = self.part.k, self._problem.blocks
         leading = [
             particle.members
@@ -101,19 +102,16 @@ class GasPart(BlockPart):
     def begin(self) -> None:
         """Find the metrics of the grid where nothing has moved, once the code is loaded."""
         self.does["begin_grid"]()
-        self.does["find_volumes"]()
         self.reference[:] = self._J
 
     def _record(self, system: Any, begins: Mapping[str, int]) -> Any:
         number = [block.kind for block in self._problem.blocks[: self.part.k]].count("fluid")
-        integrals = of_gas.gas_integrals(self._d)
-        sums = begins["mass"] + number, *(begins[name] for name in integrals[1:])
+        begins = {**begins, "mass": begins["mass"] + number}
         part, d, bands = self.part, self._d, self.part.bands
-        sigma, shock = self._sigma, self._form.shock
-        damping: Any = Nothing()
+        sigma, shock, around = self._sigma, self._form.shock, self._problem.symmetry > 0
         if sigma > 0.0 or shock > 0.0:
             found = differences(d, self._order, bands, self.block.cells)
-            damping = GasDamping(d, self.convection.raises, found, sigma, shock)
+            self.dissipation = (GasDamping(d, self.convection.raises, found, sigma, shock),)
         made = gas_kernels(self.equations, d, self.convection, self.viscous, self.moves)
         self.volume = GasSweep(self.equations, d, made, bands, part.patch)
         potential = self.volume.potential
@@ -121,17 +119,15 @@ class GasPart(BlockPart):
         room = np.zeros(((d + 1) ** 2, self.X.shape[1])) if self.block.material.mu else None
         record = SimpleNamespace(
             **self._common(begins),
-            columns=np.array(sums),
             laws=self.equations,
             volume=self.volume,
             form=self.convection,
-            forced=self._pulled,
-            dissipation=damping,
-            around=self._problem.symmetry > 0,
-            hoops=room if self._problem.symmetry else None,
+            around=around,
+            adds=(of_gas.add_ends,) * self.moves + (add_radial,) * around,
+            hoops=room if around else None,
             column=number,
             places=self._places,
-            room=np.zeros((MONITORED + len(integrals), COLUMNS)),
+            room=np.zeros((ROOM, COLUMNS)),
             masses=self.weights,
             follows=self._particles,
             rows=self.gather.rows,
@@ -141,7 +137,6 @@ class GasPart(BlockPart):
             grid=self._grid,
             reference=self.reference,
             J=self._J,
-            sums=np.zeros(len(integrals)),
         )
         moving = OF_MOVING_GAS if self.moves else ()
         text = text_of(made, d, self.volume.width, self._order)
@@ -218,6 +213,8 @@ class SolidPart(BlockPart):
     prestress: (d d, ghosted nodes), if there is one.
     """
 
+    add_force, supply = staticmethod(of_solid.book_force), staticmethod(of_solid.supply)
+
     def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
         super().__init__(layout, part, order, form)
         d = self._d
@@ -230,22 +227,20 @@ class SolidPart(BlockPart):
         self.prestress = None
         if self.block.prestress is not None:
             self.prestress = np.array(block_values(self.block, "prestress", self.X, 0.0))
-        self._dissipation = self._damping()
-        damps = not isinstance(self._dissipation, Nothing)
+        self.dissipation = tuple(self._damping())
+        damps = bool(self.dissipation)
         self.added = damps or self.block.forcing is not None
         self.reads_ghosted = self.reads_ghosted or damps or part.signs.size > 0
 
-    def _damping(self) -> Any:
-        """What adds the term of all nodes, and after it that of shocks."""
+    def _damping(self) -> Iterator[SolidDamping]:
+        """The term of all nodes, and that of shocks."""
         order, form = self._order, self._form
         sigma = sigma_of(form.dissipation, self._problem.joined) / 4.0 ** (order // 2)
-        terms = (2, 0.0, AT_SHOCKS * form.shock), (order, sigma, -sigma * (form.shock > 0.0))
-        found: Any = Nothing()
+        terms = (order, sigma, -sigma * (form.shock > 0.0)), (2, 0.0, AT_SHOCKS * form.shock)
         for order_of_term, a, b in terms:
             if a > 0.0 or b > 0.0:
                 apart = differences(self._d, order_of_term, self.part.bands, self.block.cells)
-                found = SolidDamping(self.equations, apart, a, b, found)
-        return found
+                yield SolidDamping(self.equations, apart, a, b)
 
     def initial(self, t: float, q: Array) -> None:
         d, X = self._d, self.X[:, self.owned]
@@ -279,31 +274,25 @@ class SolidPart(BlockPart):
         self.does["measure"](own.reshape(-1), np.ascontiguousarray(q.T).reshape(-1))
 
     def _record(self, system: Any, begins: Mapping[str, int]) -> Any:
-        part, d, S, problem = self.part, self._d, self.prestress, self._problem
+        part, d, problem = self.part, self._d, self._problem
         ends = []  # in one dimension
         for number, (_, k) in enumerate(problem.interfaces if d == 1 else ()):
             for row in part.rows_among(problem.interface_nodes(number)) if k == part.k else ():
-                at = self.owned[row]
-                ends.append((number, row, self.X[0, at], 0.0 if S is None else S[0, at]))
+                ends.append((number, row))
         rows, nodes, _ = system.own(part.k, stores=True)
         self.reads_ghosted = self.reads_ghosted or rows.size > 0
-        kernels = solid_kernels(self.equations, d, self._order, S is not None)
-        integrals = of_solid.solid_integrals(d)
-        columns = [begins[name] for name in (*integrals, "lost_energy") if name in begins]
+        kernels = solid_kernels(self.equations, d, self._order, self.prestress is not None)
         record = SimpleNamespace(
             **self._common(begins),
-            columns=np.array(columns),
             volume=SolidSweep(self.equations, d, kernels, part.bands, part.patch),
             laws=self.equations,
-            dissipation=self._dissipation,
-            loses=problem.loses(part.k),
+            adds=(),
             inertia=self.inertia,
-            prestress=S,
-            room=np.zeros((MONITORED + len(integrals), part.patch.own[0])),
+            prestress=self.prestress,
+            room=np.zeros((ROOM, part.patch.own[0])),
             masses=self.weights * self.inertia[self.owned],
             F=self.F,
-            sums=np.zeros(len(integrals) + 1),
-            interfaces=np.array(ends, float).reshape(-1, 4),
+            interfaces=np.array(ends, np.int64).reshape(-1, 2),
             stored_at=part.patch.ghosted_rows(part.rows(nodes)),
             rows_of_stored=rows,
         )

@@ -18,18 +18,16 @@ import numpy as np
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.particles.system import ParticleSystem
-from fsipetsc.scheme import runge_kutta as stages
-from fsipetsc.scheme.part import clear
-from fsipetsc.scheme.plan import plan_next
+from fsipetsc.scheme import monitor
+from fsipetsc.scheme import plan as stages
 from fsipetsc.scheme.recorded_data import set_time
 
 
 def procedures_of_steps(code: Code, found: Any) -> dict[str, Any]:
-    """Record the procedures between phases; found: see fsipetsc.scheme.runge_kutta."""
-    of_step = stages.begin_monitor, stages.note_extremes, stages.note_gained
+    """Record the procedures between phases; found: see fsipetsc.scheme.plan."""
+    of_step = monitor.begin_monitor, monitor.note_extremes, monitor.note_gained
     wanted: dict[str, Any] = {f.__name__: (f, found) for f in of_step}
-    wanted["clear_gain"] = clear, found.gain.numbers
-    wanted["plan_next"] = plan_next, found.plan
+    wanted["plan_next"] = stages.plan_next, found.plan
     wanted["begin_rates"] = stages.begin_stage(None), found
     for n in range(stages.STAGES):
         wanted[f"begin_{n}"] = stages.begin_stage(n), found
@@ -79,7 +77,7 @@ def phases(
         "halos": [halos, *inside, *images],
         "inside": [one for one in inside if one not in read],
     }  # fmt: skip
-    rates = [does["clear_gain"], *fill, *grid, *turned, *each("rates")]
+    rates = [*fill, *grid, *turned, *each("rates")]
     rates += [(does["weigh"],), sums, does["end_rates"]]
     found["rates"] = [does["begin_rates"], *rates]
     for n in range(stages.STAGES):

@@ -31,8 +31,7 @@ from fsipetsc.paper.layers import check_ends, check_form, layers_of, routes_of, 
 from fsipetsc.parallel.exchange import Exchange, Reduction, exchange_text
 from fsipetsc.problem import Problem, SolidLayer
 from fsipetsc.process.together import agree, libraries, together
-from fsipetsc.scheme.plan import EXHAUSTED, TOO_SHORT, plan_next, step_record
-from fsipetsc.scheme.runge_kutta import STAGES
+from fsipetsc.scheme.plan import EXHAUSTED, STAGES, TOO_SHORT, plan_next, step_record
 from fsipetsc.state import State
 
 #: kind of layer -> procedures by name; a lambda of the layer alone, because the recorder would

@@ -36,9 +36,8 @@ from fsipetsc.kernels.loops import each, named, number, variable, when
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.paper.ends import beyond_boundary, distance, end_of, fill_ghost, move_boundary
 from fsipetsc.paper.stencils import STIFFNESS, add_remainder, derivative, halo_of_rates, near_ends
-from fsipetsc.scheme.monitor import clear, collected, count, larger, tiled
-from fsipetsc.scheme.plan import BAD, DT, RATE, SAID_STOP, STOP, TOO_SHORT
-from fsipetsc.scheme.runge_kutta import factors
+from fsipetsc.scheme.monitor import rate_of, survey
+from fsipetsc.scheme.plan import BAD, DT, RATE, SAID_STOP, STOP, TOO_SHORT, factors
 
 #: rows of scratch
 ROWS = 15
@@ -334,11 +333,14 @@ def surveyed(layer, least, measure, densities):
     that is finite if all are. measure(i): extremes of a point, and what must be finite of it.
     """
     a, b, _, _ = layer.span
-    clear(layer.scratch, len(least), 4)
-    for i, column in tiled(a, b):
+
+    def see(i, more):
+        """What is found of a point."""
         extremes, other = measure(i)
-        count(layer.scratch, column, extremes, (*densities(i), other))
-    extremes, (*totals, other) = collected(layer.scratch, least, 4)
+        return extremes, dict(enumerate((*densities(i), other)))
+
+    extremes, found = survey(layer.scratch, least, [(a, b, None)], see)
+    *totals, other = found.values()
     finite = totals[0].value + totals[1].value + totals[2].value + other.value
     for r, i, _, _ in near_ends(layer.op, layer.span):
         add(totals, float(layer.op.norm[r]) - 1.0, densities(i))
@@ -371,15 +373,7 @@ def tell(steps):
 
 
 def finish(steps):
-    """Find the bound on the next step, from the rates of all ranks.
-
-    1/dt at Courant number 1 is the 4-norm of the largest rates of convection and diffusion: the
-    smaller of the two steps alone is too long.
-    """
-    results, bounds = steps.results, steps.bounds
-    convection, diffusion = variable(), variable()
-    for k in each(bounds.size // 2):
-        larger(convection, bounds[2 * k])
-        larger(diffusion, bounds[2 * k + 1])
-    results[RATE] = np.sqrt(np.sqrt(convection.value**4 + diffusion.value**4))
+    """Find the bound on the next step, from the rates of all ranks."""
+    results = steps.results
+    results[RATE] = rate_of(steps.bounds)
     results[STOP] = results[SAID_STOP]

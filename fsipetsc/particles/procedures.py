@@ -31,7 +31,6 @@ from fsipetsc.kernels.arrays import row
 from fsipetsc.kernels.loops import each, otherwise, pick, variable, when
 from fsipetsc.particles import constraints
 from fsipetsc.particles.members import GAS, SOLID
-from fsipetsc.scheme.part import clear
 
 
 def weigh(record, y):
@@ -68,7 +67,7 @@ def end_sums(record, gain):
     """Find from the sums of all members one U, one displacement and velocity. Gas and solid that
     stick have one velocity, and the gas gets the kinetic energy that the solid loses by that.
     """
-    clear(gain.numbers)
+    gain.numbers[:] = 0.0
     for p in each(record.mass.size):
         one = constraints.Facts(record, p)
         of_gas, of_solid = summed(record, p)
@@ -116,12 +115,12 @@ def obeyed(record, p, one, of_gas, of_solid):
 
 def gather(record, total):
     """Add up area vectors of members, or how they turn, and clear those of the members."""
-    clear(total.reshape(-1))
+    total[:] = 0.0
     for r in each(record.of_particle.shape[0]):
         p = record.of_particle[r]
         for c in each(total.shape[1]):
             total[p, c] += record.of_normals[r, c]
-    clear(record.of_normals.reshape(-1))
+    record.of_normals[:] = 0.0
 
 
 def begin_stored(record, y):

@@ -21,7 +21,7 @@ from fsipetsc.particles import procedures
 from fsipetsc.particles.constraints import weigh_heat
 from fsipetsc.particles.members import GAS, ROLLS, SOLID, Particle
 from fsipetsc.particles.prescribed import Prescribed
-from fsipetsc.scheme import normals as of_faces
+from fsipetsc.scheme.faces import listed
 
 Array = NDArray[Any]
 
@@ -173,7 +173,7 @@ class ParticleSystem:
                 if block == k and node in row_of:
                     signs = [(column, sign if side else -sign) for column, sign in columns.items()]
                     found += [(row_of[node], node, axis, sign, column) for column, sign in signs]
-        return of_faces.listed(self._layout.parts[k], found)
+        return listed(self._layout.parts[k], found)
 
     def begin(self) -> None:
         """Learn weights of the members of others, and mean specific heats, once procedures and

@@ -9,15 +9,14 @@ Its monitor bounds the next step:
 
 import numpy as np
 
-from fsipetsc.equations.vectors import dot, sub
+from fsipetsc.equations.vectors import add, dot, scale, sub
 from fsipetsc.kernels.arrays import column, row
-from fsipetsc.kernels.loops import each, variable
+from fsipetsc.kernels.loops import each
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
-from fsipetsc.scheme.gas_force import add_force, find_potential, note_potential
-from fsipetsc.scheme.monitor import along_axes, moment, note, observe, turning
-from fsipetsc.scheme.normals import add_areas, turn_plane
-from fsipetsc.scheme.part import area, ghosted_node, ghosted_planes, moving, owned, owned_planes
-from fsipetsc.scheme.radial import add_radial
+from fsipetsc.scheme.faces import add_areas, turn_plane
+from fsipetsc.scheme.gas_terms import find_potential
+from fsipetsc.scheme.monitor import along_axes, moment, note_potential, observe
+from fsipetsc.scheme.part import area, book, ghosted_node, moving, owned_planes
 
 
 def follow(part, particles):
@@ -34,12 +33,6 @@ def follow(part, particles):
 def edge(part):
     """Find a^k of the grid of now on faces, as far as constraints need it."""
     part.grid.edge(part.known, part.metrics)
-
-
-def begin_grid(part):
-    """Find a^k of a grid where it is now."""
-    edge(part)
-    part.grid.move(part.metrics)
 
 
 def move(part):
@@ -59,35 +52,14 @@ def turn(part, particles):
     table, d = particles.of_normals, len(part.like)
     if d == 3:
         part.grid.turn()
-        add_areas(part.at_particles, d, part.grid.ahead, table, part.grid.back)
+        add_areas(part, table, part.grid.ahead, part.grid.back)
     elif part.around:
-        add_areas(part.at_particles, d, part.grid.turning, table)
+        add_areas(part, table, part.grid.turning)
     elif d == 2:
         turn_plane(part, table)
 
 
-def rates(part, gain, found, y, f):
-    """Fill the part of f, from that of a completed y, with rates or stages (fsipetsc.scheme.sweep).
-    What comes in goes to ``gain``.
-    """
-    d = len(part.like)
-    planes, of_f = ghosted_planes(part, y, d + 3), owned_planes(part, f, d + 3)
-    part.volume.sweep(part, found, owned_planes(part, y, d + 3), planes, of_f)
-    q, own = planes.T, of_f.T
-    if part.moves:
-        add_ends(part, own)
-    if part.around:
-        add_radial(part, q, own)
-    part.dissipation.add(part, q, own, gain)
-    part.faces.add(part, q, own, gain)
-    q = owned(part, y, d + 3)
-    if part.forced:
-        add_force(part, q, own, gain)
-    if part.forcing is not None:
-        supply(part, q, own, gain)
-
-
-def add_ends(part, rates):
+def add_ends(part, q, rates):
     """Add a^k . v / weight, outward, to J_t at the ends of axes: fluxes of pairs do not have it."""
     ends = part.ends
     for i in each(ends.at.shape[0]):
@@ -97,17 +69,16 @@ def add_ends(part, rates):
 
 def supply(part, q, rates, gain):
     """Add the case's forcing; q, rates: of the owned nodes."""
-    masses, sums = part.masses, [variable(0.0) for _ in range(len(part.like) + 2)]
-    for i in each(masses.shape[0]):
-        for c, total in enumerate(sums):
-            supplied = q[i, 0] * part.forcing[c, i]
-            rates[i, 1 + c] += supplied
-            total.value += masses[i] * supplied
-    mass, *impulse, energy = (total.value for total in sums)
-    gain.mass[part.column] += mass
-    for c, number in enumerate(impulse):
-        gain.impulse[c] += number
-    gain.energy[-1] += energy
+    like = (*part.like, 0.0, 0.0)
+
+    def supplied(i):
+        """What a node gets per volume."""
+        more = scale(q[i, 0], column(like, part.forcing, i))
+        rates[i, 1:] = add(row(like, rates, i, 1), more)
+        return more
+
+    book(part, gain, supplied, mass=True)
+    return 0.0
 
 
 def find_places(part):
@@ -122,25 +93,26 @@ def find_volumes(part):
         part.J[i] = part.grid.jacobian(part.metrics, ghosted_node(i, part.patch))
 
 
+def begin_grid(part):
+    """Find a^k and J of a grid where it is now."""
+    edge(part)
+    part.grid.move(part.metrics)
+    find_volumes(part)
+
+
 def monitor(part, found, y):
     """Note extremes and sums of the owned nodes."""
     if part.moves:
         find_places(part)
         part.grid.find_volumes()
-    q, metrics = owned(part, y, len(part.like) + 3), part.metrics
+    q, metrics = owned_planes(part, y).T, part.metrics
     if part.around:
         part.grid.bound(metrics)
         metrics = part.grid.bounds
-    names = gas_integrals(len(part.like))
-    observe(part, names, lambda own, n: seen_at(part, q, metrics, own, n))
-    note(part, found)
+    observe(part, found, lambda own, n: seen_at(part, q, metrics, own, n))
     if part.forced:
-        note_potential(part, q, found)
-
-
-def gas_integrals(d):
-    """Return the names of the integrals of a gas, in the order of its sums."""
-    return "mass", *along_axes("momentum", d), "energy", "entropy", *turning(d)
+        masses, places = part.masses, part.places
+        note_potential(part, found, lambda i: masses[i] * q[i, 1], lambda c, i, n: places[c, n])
 
 
 def seen_at(part, q, metrics, own, n):
@@ -167,11 +139,10 @@ def seen_at(part, q, metrics, own, n):
     known = (convection < np.inf) & (diffusion < np.inf) & (apart < np.inf)  # so are the places
     bad = np.where(known & positive, 0.0, 1.0)
     _, rho, *momentum, energy = here
-    turns = moment(column(part.like, part.places, n), momentum)
     return (bad, convection, diffusion, -here[0] / of_map, apart), {
         "mass": rho,
-        **dict(zip(along_axes("momentum", d), momentum, strict=True)),
+        **along_axes("momentum", momentum),
         "energy": energy,
         "entropy": here[0] * gas.entropy_density(w),
-        **dict(zip(turning(d), turns, strict=True)),
+        **moment(column(part.like, part.places, n), momentum),
     }

@@ -1,108 +1,149 @@
-"""Extremes and sums over all nodes of a block after a step, found column by column, so that loops
-become vector code.
+"""What is known after a step: extremes of all nodes, which bound the next step, sums over nodes,
+and what came in.
 
-A room has a row for each extreme, then a row for each sum. Each node counts in one column; in the
-end the columns are combined in their order, so the bits do not depend on the vector length. The
-last bits of an integral depend on which rank owns which nodes; no other number is computed from
-integrals.
+Loops are vector code: each node counts in one column of a room, which has a row for each extreme,
+then one for each sum. In the end the columns are combined in their order, so the bits do not depend
+on the vector length. The last bits of a sum depend on which rank owns which nodes; no other number
+is computed from sums.
 """
 
 import numpy as np
 
 from fsipetsc.kernels.loops import each, named, variable
 from fsipetsc.scheme.observables import PLACES
-from fsipetsc.scheme.part import rows_of
+from fsipetsc.scheme.part import ghosted_node, rows_of
+from fsipetsc.scheme.plan import BAD, RATE, SAID_STOP, STOP
 
-#: columns of a tile of nodes
-COLUMNS = 64
+#: columns of a room; the most rows that a block needs
+COLUMNS, ROOM = 64, 14
 #: how many extremes a block has: 1 if a state is unphysical, largest rates of convection and of
 #: diffusion [1/s], minus the least J, largest |J - det D x| / J; the places of two of them
 MONITORED, CONVECTION, LEAST_J = 5, 1, 3
 
 
-def clear(room, extremes, sums, columns=COLUMNS):
-    """Set the columns to -inf in rows of extremes, and to 0 in rows of sums."""
-    for row in range(extremes + sums):
-        for c in each(columns, vector=True):
-            room[row, c] = -np.inf if row < extremes else 0.0
-
-
-def tiled(begin, end, columns=COLUMNS):
-    """Yield (node, column) for the nodes begin .. end-1, tile by tile."""
-    for tile in each((end - begin + (columns - 1)) // columns):
-        first = named(begin + tile * columns)
-        for c in each(np.minimum(columns, end - first), vector=True):
-            yield first + c, c
-
-
-def count(room, column, extremes, sums):
-    """Let the numbers of one node count in a column. NaN is never an extreme."""
-    for row, number in enumerate(extremes):
-        room[row, column] = np.where(number > room[row, column], number, room[row, column])
-    for row, number in enumerate(sums, len(extremes)):
-        room[row, column] += number
-
-
-def collected(room, least, sums, columns=COLUMNS):
-    """Return variables with the extremes of all columns, each at least ``least``, and with the
-    sums.
+def survey(room, least, rows, see, columns=COLUMNS):
+    """Return variables with the extremes of all nodes, each at least ``least``, and a dict: name ->
+    variable with a sum. rows: one loop, which yields begin, end and more of nodes begin … end - 1.
+    see(i, more): the extremes of a node, of which NaN is none, and a dict: name -> what is summed.
     """
-    largest, totals = [variable(x) for x in least], [variable() for _ in range(sums)]
+    room[: len(least), :columns], room[len(least) :, :columns] = -np.inf, 0.0
+    for begin, end, more in rows:
+        for tile in each((end - begin + (columns - 1)) // columns):
+            first = named(begin + tile * columns)
+            for c in each(np.minimum(columns, end - first), vector=True):
+                extremes, summed = see(first + c, more)
+                for row, number in enumerate(extremes):
+                    room[row, c] = np.where(number > room[row, c], number, room[row, c])
+                for row, number in enumerate(summed.values(), len(least)):
+                    room[row, c] += number
+    largest, totals = [variable(x) for x in least], {name: variable() for name in summed}
     for c in each(columns):
         for row, found in enumerate(largest):
-            larger(found, room[row, c])
-        for row, total in enumerate(totals, len(least)):
+            found.value = np.where(room[row, c] > found.value, room[row, c], found.value)
+        for row, total in enumerate(totals.values(), len(least)):
             total.value += room[row, c]
     return largest, totals
 
 
-def larger(found, x):
-    """Set a variable to x if x is larger than its value; NaN never is."""
-    found.value = np.where(x > found.value, x, found.value)
-
-
-def observe(part, names, seen):
-    """Fill part.seen (MONITORED,), and part.sums with the integrals of these names. seen: returns,
-    for an owned node's numbers among the owned ones and in the ghosted array, its extremes, and a
-    dict: name of an integral -> what it has of the node per mass.
+def observe(part, found, see):
+    """Put extremes of a part into those of its block, and its integrals into the record of the
+    step. see: returns, for an owned node's numbers among the owned ones and in the ghosted array,
+    its extremes, and a dict: name of an integral -> what it has of the node per mass.
+    found: see fsipetsc.scheme.plan.
     """
-    room, columns, sums = part.room, part.room.shape[1], len(names)
+    columns, names = part.columns, vars(part.columns)
+
+    def weighed(x, at):
+        """What counts of a node."""
+        node, own = at
+        extremes, densities = see(own + x, node + x)
+        mass = part.masses[own + x]
+        return extremes, {name: mass * densities[name] for name in densities if name in names}
+
+    rows = ((0, n, (node, own)) for node, own, n in rows_of(part))
     least = [-np.inf if c == LEAST_J else 0.0 for c in range(MONITORED)]
-    clear(room, MONITORED, sums, columns)
-    for node, own, n in rows_of(part):
-        for x, column in tiled(0, n, columns):
-            extremes, found = seen(own + x, node + x)
-            mass = part.masses[own + x]
-            count(room, column, extremes, [mass * found[name] for name in names])
-    found = collected(room, least, sums, columns)
-    for of, numbers in zip((part.seen, part.sums), found, strict=True):
-        for c, number in enumerate(numbers):
-            of[c] = number.value
+    extremes, sums = survey(part.room, least, rows, weighed, part.room.shape[1])
+    for c, one in enumerate(extremes):
+        pace = found.pace if c == CONVECTION else 1.0
+        found.extremes[1 + MONITORED * part.block + c] = pace * one.value
+    for name, total in sums.items():
+        found.latest[getattr(columns, name)] += total.value
 
 
-def note(part, found):
-    """Put what the monitor found in a part into the extremes of its block and the record of the
-    step; found: see fsipetsc.scheme.runge_kutta.
+def note_potential(part, found, mass, place):
+    """Note the potential energy - sum M b . x of the owned nodes in a constant force. mass(i), of a
+    node's number among the owned ones; place(c, i, n), with its number in the ghosted array.
     """
-    begin, seen, sums, columns = 1 + MONITORED * part.block, part.seen, part.sums, part.columns
-    extremes, latest = found.extremes, found.latest
-    for c in range(MONITORED):
-        extremes[begin + c] = (found.pace if c == CONVECTION else 1.0) * seen[c]
-    for c in each(columns.size):
-        latest[columns[c]] += sums[c]
+    total = variable(0.0)
+    for i in each(part.masses.size):
+        n = ghosted_node(i, part.patch)
+        for c, b in enumerate(part.laws.force):
+            total.value -= mass(i) * b * place(c, i, n)
+    found.latest[part.columns.potential_energy] += total.value
 
 
-def along_axes(name, d):
-    """Return the names of a vector's d components: name_x, name_y, …."""
-    return [f"{name}_{x}" for x in PLACES[:d]]
-
-
-def turning(d):
-    """Return the names of the components of angular momentum about the origin: 0, 1 or 3."""
-    return along_axes("angular_momentum", 3) if d == 3 else ["angular_momentum"] * (d - 1)
+def along_axes(name, vector):
+    """Return the components of a vector by their names name_x, name_y, …."""
+    return {f"{name}_{x}": number for x, number in zip(PLACES, vector, strict=False)}
 
 
 def moment(x, p):
-    """Return the components of the cross product of x and p: none, one or three numbers."""
-    pairs = {1: (), 2: ((0, 1),), 3: ((1, 2), (2, 0), (0, 1))}[len(x)]
-    return tuple(x[a] * p[b] - x[b] * p[a] for a, b in pairs)
+    """Return the cross product of x and p by names of angular momentum about the origin: in one
+    dimension none, in two a number, in three its components.
+    """
+    if len(x) < 3:
+        return {"angular_momentum": x[0] * p[1] - x[1] * p[0]} if len(x) == 2 else {}
+    pairs = (1, 2), (2, 0), (0, 1)
+    return along_axes("angular_momentum", [x[a] * p[b] - x[b] * p[a] for a, b in pairs])
+
+
+def begin_monitor(found):
+    """Clear what the monitor found after the step before."""
+    found.latest[:] = 0.0
+    for i in each(found.extremes.size):  # a least J is found as the largest -J
+        found.extremes[i] = np.where((i - 1) % MONITORED == LEAST_J, -np.inf, 0.0)
+    found.extremes[0] = found.results[SAID_STOP]
+
+
+def note_extremes(found):
+    """From the extremes of all ranks find the bound on the next step, and whether a state is bad.
+
+    extremes: (1 + MONITORED blocks,), what a rank says of stopping, and those of each block. rates:
+    (blocks, 2). latest: begins with the least J and the departure of J of each block.
+    """
+    extremes, rates, results, latest = found.extremes, found.rates, found.results, found.latest
+    bad, blocks = variable(0.0), rates.shape[0]
+    for k in each(blocks):
+        of_block = extremes[1 + MONITORED * k :]
+        bad.value = np.maximum(bad.value, of_block[0])
+        rates[k, 0], rates[k, 1] = of_block[1], of_block[2]
+        latest[k], latest[blocks + k] = -of_block[3], of_block[4]
+    results[RATE] = rate_of(rates.reshape(-1))
+    results[BAD], results[STOP] = bad.value, extremes[0]
+
+
+def rate_of(rates):
+    """Return 1 over the longest step at Courant number 1, the 4-norm of the largest rates of
+    convection and diffusion [1/s]: the smaller of the two steps alone is too long. rates: of both,
+    of one block or layer after the other. What is no number stays so.
+    """
+    convection, diffusion = variable(), variable()
+    for k in each(rates.size // 2):
+        convection.value = np.maximum(convection.value, rates[2 * k])
+        diffusion.value = np.maximum(diffusion.value, rates[2 * k + 1])
+    return np.sqrt(np.sqrt(convection.value**4 + diffusion.value**4))
+
+
+def note_gained(found, y):
+    """Move what came in during a step from auxiliary unknowns to the last columns of ``latest``.
+
+    What a step loses of the energy of solids is W + E - E', with W the work on them, E before and
+    E' after it. The auxiliary unknown has E and gets W; the monitor writes -E' into the column.
+    Their sum is the loss, and with that subtracted the unknown has E', for the next step.
+    """
+    count, latest = found.gain.numbers.size, found.latest
+    first, auxiliary = latest.size - count, found.y.size - count
+    for c in each(count):
+        gained = latest[first + c] + y[auxiliary + c]
+        latest[first + c] = gained
+        y[auxiliary + c] -= gained

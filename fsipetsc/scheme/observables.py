@@ -126,38 +126,38 @@ class Drifts:
     @np.errstate(all="ignore")  # a drift that is no number says so itself
     def go_on(self, series: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The drifts in the next steps, all columns of the series in them: name -> (steps,)."""
-        result: dict[str, np.ndarray] = {}
-        invariants, initial = self._invariants, self._initial
-        if not invariants or not len(series["dt"]):
-            return result
-        for name, columns in invariants["masses"]:  # several of blocks of gas that are joined
+        found: dict[str, np.ndarray] = {}
+        held, first = self._invariants, self._initial
+        if not held or not len(series["dt"]):
+            return found
+        for name, columns in held["masses"]:  # several of blocks of gas that are joined
             mass, came = series["mass"][:, columns].sum(axis=1), 0.0
             if "mass_in" in series:
                 came = self._sum(f"into '{name}'", series["mass_in"][:, columns].sum(axis=1))
-            first = sum(initial["mass"][column] for column in columns)
-            result[f"mass of '{name}'"] = (mass - came) / first - 1
-        for axis in invariants.get("momentum", ""):
+            before = sum(first["mass"][column] for column in columns)
+            found[f"mass of '{name}'"] = (mass - came) / before - 1
+        for axis in held.get("momentum", ""):
             name, given = f"momentum_{axis}", series[f"impulse_{axis}"]
             passed = self._sum(f"{name}, given and taken", np.abs(given))
-            least = max(abs(initial[name]), LEAST_COMPONENT * self._momentum_of_all, TINY)
-            change = series[name] - initial[name] - self._sum(name, given)
-            result[f"momentum along {axis}"] = change / np.maximum(passed, least)
-        if invariants["energy"]:
+            least = max(abs(first[name]), LEAST_COMPONENT * self._momentum_of_all, TINY)
+            change = series[name] - first[name] - self._sum(name, given)
+            found[f"momentum along {axis}"] = change / np.maximum(passed, least)
+        if held["energy"]:
             came = self._sum("energy", series["energy_in"]) if "energy_in" in series else 0.0
-            result["energy"] = (series["energy"] - came) / initial["energy"] - 1
-        if invariants.get("potential"):
+            found["energy"] = (series["energy"] - came) / first["energy"] - 1
+        if held.get("potential"):
             came = self._sum("energy without work", series["energy_in"] - series["force_work"])
-            first = initial["energy"], initial["potential_energy"]
-            change = series["energy"] - first[0] + (series["potential_energy"] - first[1]) - came
-            result["energy with potential energy"] = change / max(map(abs, first))
-        if invariants.get("entropy"):
-            produced = series["entropy"] - initial["entropy"]
+            names = "energy", "potential_energy"
+            change = sum(series[name] - first[name] for name in names) - came
+            found["energy with potential energy"] = change / max(abs(first[n]) for n in names)
+        if held.get("entropy"):
+            produced = series["entropy"] - first["entropy"]
             before = self.memory.get("entropy produced", 0.0)
             most = np.maximum.accumulate(np.concatenate([[before], produced]))[1:]
             self.memory["entropy produced"] = float(most[-1])
-            scale = max(abs(initial["entropy"]), invariants["heat_capacity"], TINY)
-            result["entropy"] = (most - produced) / scale
-        return result
+            scale = max(abs(first["entropy"]), held["heat_capacity"], TINY)
+            found["entropy"] = (most - produced) / scale
+        return found
 
     def _sum(self, name: str, parts: np.ndarray) -> np.ndarray:
         """Sum from t = 0 to the end of each step of what belongs to a step."""

@@ -2,80 +2,62 @@
 record: arrays and numbers with names, which fsipetsc.blockrun makes. Of M owned nodes, and of N in
 the ghosted array, in d dimensions it has
 
-    like: d zeros. laws: fsipetsc.equations.gas or solid. block: its number. patch, S, weight: its
-    nodes, and three bands (fsipetsc.operators.bands). begin: of its unknowns in the world vector.
-    halo: (unknowns, N), its nodes with a halo, or (unknowns, 0) without. signs: of images, see
-    fsipetsc.parallel.block_layout. X: (d, N) of the reference map, or at rest. metrics: of a gas
-    (d d + d, N), a^1 … a^d, velocity of the grid, and around an axis A; of a solid (d d + 1, N),
-    A^1 … A^d and J0, then R around an axis. masses: (M,) weights of the nodes, of a solid times
-    J0 m0. at_particles: faces at constraints, see fsipetsc.scheme.normals.
+    like: d zeros. dof: unknowns of a node. laws: fsipetsc.equations.gas or solid. block: its
+    number. patch: fsipetsc.operators.bands. S, weight: bands of the three axes, with zeros behind.
+    axes: (3, 3) of each axis its longest pair, nodes, and how far these are apart in the ghosted
+    array. begin: of its unknowns in the world vector. halo: (dof, N), its nodes with a halo, or
+    (dof, 0) without. signs: of images, see fsipetsc.parallel.block_layout. X: (d, N) of the
+    reference map, or at rest. metrics: of a gas (d d + d, N), a^1 … a^d, velocity of the grid, and
+    around an axis A; of a solid (d d + 1, N), A^1 … A^d and J0, then R around an axis. masses: (M,)
+    weights of the nodes, of a solid times J0 m0. at_particles: see fsipetsc.scheme.faces.
 
-    volume: what the sweep takes (fsipetsc.scheme.gas_sweep, solid_sweep). free: first node and
-    first beyond along each axis, first, second one of three, last one, of the owned nodes to whose
-    rates nothing is added after the sweep. dissipation, faces: what adds to rates. forcing: by
-    components of M nodes, or None: of mass, velocities and energy per mass of a gas; of velocity,
-    temperature and place of a solid.
+    volume: the sweep. free: first node and first beyond along each axis, first, second one of
+    three, last one, of the owned nodes to whose rates nothing is added after the sweep. terms:
+    dissipation and faces, which add to rates and return the work on a solid. adds, supplies:
+    functions that add to rates, of ghosted and of owned unknowns. forcing: by components of M
+    nodes, or None: of mass, velocities and energy per mass of a gas; of velocity, temperature and
+    place of a solid. forced: whether a constant force acts, loses: whether work is booked. per_h:
+    (d,) cells of the block. room: of fsipetsc.scheme.monitor.survey. columns: name -> where a
+    series begins in the record of a step.
 
-    per_h: (d,) cells of the block. room, seen, sums: of the monitor (fsipetsc.scheme.monitor).
-    columns: of sums in the record of a step, level: of the potential energy.
-
-    Of a gas: form: of convection. forced: whether a constant force acts. around, hoops: see
-    fsipetsc.scheme.radial. column: of its mass in what comes in. places: (d, N) where the monitor
-    finds the nodes. ends: nodes at the ends of axes, one at an edge once for each axis: at, own,
-    axis: (n,) numbers in the ghosted array and among the owned nodes, axis; factor: sign of the
-    outward normal over the weight of the axis. moves: whether its grid moves; grid: see
-    fsipetsc.blocks.grid. known: (m, 2d) displacements and velocities by which it moves, follows:
-    (n,) particles here that have them, rows: (n,) where. reference, J: (M,) J of the reference map,
-    and of the grid, by `find_volumes`.
+    Of a gas: form: of convection. around, hoops: see fsipetsc.scheme.gas_terms. column: of its
+    mass in what comes in. places: (d, N) where the monitor finds the nodes. ends: nodes at the ends
+    of axes, one at an edge once for each axis: at, own, axis: (n,) numbers in the ghosted array and
+    among the owned nodes, axis; factor: sign of the outward normal over the weight of the axis.
+    moves: whether its grid moves; grid: see fsipetsc.blocks.grid. known: (m, 2d) displacements and
+    velocities by which it moves, follows: (n,) particles here that have them, rows: (n,) where.
+    reference, J: (M,) J of the reference map, and of the grid, by `find_volumes`.
 
     Of a solid: inertia: (N,) J0 m0. prestress: (d d, N) what P has beside, or None. F: (d d, M), or
-    one more with hoops, as monitored last. loses: whether work is booked, for what steps lose of
-    kinetic and elastic energy. interfaces: (n, 4) number of an interface at this part in one
-    dimension, owned row of its node, X, prestress. stored_at: (n,) ghosted rows of members that
-    tell what they store, rows_of_stored: (n,) where.
+    one more with hoops, as monitored last. interfaces: (n, 2) number of an
+    interface at this part in one dimension, and owned row of its node. stored_at: (n,) ghosted rows
+    of members that tell what they store, rows_of_stored: (n,) where.
 
 ``gain`` is a record of what comes into the problem from outside. numbers: all that follow, in the
-order of the record of a step. mass: of each block of gas. lost: (1,) work on solids if it
-is booked, else (0,). work: (1,) work of constant forces if there are any, else (0,). impulse: (d,).
+order of the record of a step. mass: of each block of gas. lost: (1,) work on solids if it is
+booked, else (0,). work: (1,) work of constant forces if there are any, else (0,). impulse: (d,).
 energy: through each outer face; the last one is of what comes through no face. heat: the part of
 energy that is heat. total: (1,) the sum of energy.
 """
 
-from __future__ import annotations
-
-from types import SimpleNamespace
-
 from fsipetsc.kernels.arrays import column, row
-from fsipetsc.kernels.loops import each, either
+from fsipetsc.kernels.loops import each, either, variable
 
 
-class Nothing(SimpleNamespace):
-    """Stands for a term that is absent, as dissipation or fluxes at closed faces."""
-
-    def add(self, part, q, rates, gain):
-        """Add nothing; the work is 0."""
-        return 0.0
-
-
-def owned_planes(part, s, dof):
+def owned_planes(part, s):
     """Return (dof, M), planes of the owned numbers of this part in a world vector s."""
     n = part.masses.shape[0]
-    return s[part.begin : part.begin + n * dof].reshape(dof, n)
+    return s[part.begin : part.begin + n * part.dof].reshape(part.dof, n)
 
 
-def ghosted_planes(part, s, dof):
+def ghosted_planes(part, s):
     """Return (dof, N), planes of this part with its halo, if it has one, which an exchange has
     filled. Where only sweeps read the halo, its owned nodes may be older than s
     (fsipetsc.blockrun.block_part).
     """
     n = part.metrics.shape[1]
-    own = s[part.begin : part.begin + n * dof]
-    return either(part.halo.shape[1] > 0, part.halo.reshape(-1), own).reshape(dof, n)
-
-
-def owned(part, s, dof):
-    """Return (M, dof), the same as `owned_planes` by nodes."""
-    return owned_planes(part, s, dof).T
+    own = s[part.begin : part.begin + n * part.dof]
+    return either(part.halo.shape[1] > 0, part.halo.reshape(-1), own).reshape(part.dof, n)
 
 
 def area(part, k, n):
@@ -118,7 +100,34 @@ def images(part):
             values[c, image] = signs[c] * values[c, rows * n + i]
 
 
-def clear(numbers):
-    """Set all numbers of an array to 0."""
-    for i in each(numbers.size, vector=True):
-        numbers[i] = 0.0
+def rates(part, gain, found, y, f):
+    """Fill the part of f, from that of a completed y, with rates or stages (fsipetsc.scheme.sweep).
+    What comes in goes to ``gain``.
+    """
+    own, q, of_f = owned_planes(part, y), ghosted_planes(part, y), owned_planes(part, f)
+    part.volume.sweep(part, found, own, q, of_f)
+    own, q, of_f, work = own.T, q.T, of_f.T, 0.0
+    for add in part.adds:
+        add(part, q, of_f)
+    for term in part.terms:
+        work += term.add(part, q, of_f, gain)
+    for add in part.supplies:
+        work += add(part, own, of_f, gain)
+    if part.loses:
+        gain.lost[0] += work
+
+
+def book(part, gain, of, mass=False):
+    """Add to what comes in through no face the sums over owned nodes of what of(i) returns per mass
+    of node i: mass if there is any, momentum, energy. Return the energy.
+    """
+    sums = [variable(0.0) for _ in range(len(part.like) + 1 + mass)]
+    for i in each(part.masses.size):
+        for total, value in zip(sums, of(i), strict=True):
+            total.value += part.masses[i] * value
+    if mass:
+        gain.mass[part.column] += sums.pop(0).value
+    for c, total in enumerate(sums[:-1]):
+        gain.impulse[c] += total.value
+    gain.energy[-1] += sums[-1].value
+    return sums[-1].value

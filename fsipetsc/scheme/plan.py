@@ -1,15 +1,24 @@
-"""What is noted of a completed step, how long the next one is, and how many steps one call of C
-makes.
+"""Steps of the classical Runge-Kutta method: its stages, what is noted of a completed step, how
+long the next one is, and how many steps one call of C makes.
 
 A batch of steps ends when as many are made as are allowed (-ts_max_steps, room in the journal),
 when a time to be saved is reached, or when there is a failure or a signal. Each step fills a row of
 the journal.
+
+Procedures take and fill ``found``, a record of the solution y, its stages, total: the sum that
+becomes the next one, gain (fsipetsc.scheme.part), plan: see `plan_next`, time: (1,) of recorded
+data, stage: (2,) what sweeps make of rates (fsipetsc.scheme.sweep), left: (runs, 2) begin and end
+of the numbers of a world vector of which sweeps give rates in any case, at_ends: 4 (interfaces,),
+and what fsipetsc.blockrun.block_state has.
 """
+
+from collections.abc import Callable
 
 import numpy as np
 
 from fsipetsc.kernels.loops import each, when, whole
 from fsipetsc.scheme.observables import SERIES, record
+from fsipetsc.scheme.sweep import LAST, RATES, STAGE
 
 # where what stands among the results of a completed step
 #: flags: 1 + number of a layer that has run off its grid, or that is too short
@@ -20,12 +29,6 @@ RATE, BAD, STOP, SAID_STOP = 2, 3, 4, 5
 FLAGS, LIMITS = 2, 4
 #: steps that the journal holds; they must be written then
 CAPACITY = 4096
-
-
-def shares(record: np.dtype) -> tuple[str, ...]:
-    """Return which columns of a record are shares of the ranks, to be added up: the last ones."""
-    names = record.names
-    return names[names.index("mass" if "mass" in names else "energy") :]
 
 
 def step_record(interfaces: int, fluids: int) -> np.dtype:
@@ -43,6 +46,52 @@ TIME, DT, NEXT, TARGET, COURANT, FIXED, ALLOWED, MADE, LONGEST, FIRST, BATCH = r
 
 #: a step may be longer than its bound by this fraction, so that round-off costs no extra step
 SLACK = 1e-9
+STAGES = 4
+#: times of the stages, and of what comes of them, in steps
+FRACTIONS = 0.0, 0.5, 0.5, 1.0, 1.0
+
+
+def begin_stage(number: int | None) -> Callable[..., None]:
+    """Return the procedure before rates: sweeps store stages with this number, or rates."""
+
+    def begin(found):
+        """What sweeps store from now on; nothing has come in yet."""
+        kind = RATES if number is None else (STAGE, STAGE, STAGE, LAST)[number]
+        a, b = factors(number or 0, found.plan.batch[DT])
+        found.stage[0], found.stage[1] = float(kind), b if kind == LAST else a
+        found.gain.numbers[:] = 0.0
+
+    return begin
+
+
+def factors(number, dt):
+    """Return a and b of a stage, as `advance` uses them."""
+    a = dt if number == 2 else 0.5 * dt
+    return a, dt / 3.0 if 0 < number < 3 else dt / 6.0
+
+
+def advance(number: int) -> Callable[..., None]:
+    """Return the procedure of a stage, 0 to 3. It replaces the rates k, which sweeps have left in
+    f, by the next stage. With the base y at first, and total after that,
+
+        f = y + a k,   total = base + b k   a = dt/2, dt/2, dt;  b = dt/6, dt/3, dt/3
+        f = total + dt/6 k                  after the last one: the solution
+    """
+
+    def stage(found, f):
+        """The next stage from rates, and the sum that becomes the solution."""
+        base, total, (a, b) = found.y, found.total, factors(number, found.plan.batch[DT])
+        for run in each(found.left.shape[0]):
+            for i in each(found.left[run, 0], found.left[run, 1], vector=True):
+                k = f[i]
+                sum_of_stages = (base[i] if number == 0 else total[i]) + b * k
+                if number == 3:
+                    f[i] = sum_of_stages
+                else:
+                    f[i] = base[i] + a * k
+                    total[i] = sum_of_stages
+
+    return stage
 
 
 def longest_step(courant, fixed, rate):

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from fsipetsc.checks import datum
 from fsipetsc.errors import place_in, reason
 from fsipetsc.kernels.loops import each
-from fsipetsc.kernels.procedure import Code
 from fsipetsc.kernels.symbols import NotRecorded, Record, Symbol, needed, numbers_of
 from fsipetsc.scheme.plan import DT, TIME
 
@@ -45,46 +44,26 @@ class Source(SimpleNamespace):
                 target[rows] = np.transpose(values)
 
 
-class Recorder:
-    """What is recorded of sources, of a part of a block or of particles. What does not depend on
-    time needs no record: Python is asked once. refused: what cannot be recorded, and why.
+def timed(sources: Sequence[Source]) -> tuple[list[Source], list[str]]:
+    """The sources whose data depend on time, so that C fills them; Python is asked once for the
+    others. Also what cannot be recorded, and why.
     """
-
-    def __init__(self, sources: Sequence[Source]) -> None:
-        self._timed, self.refused = list[Source](), list[str]()
-        for one in sources:
-            try:
-                if depends_on_time(one.make, len(one.x)):
-                    self._timed.append(one)
-            except (Exception, SystemExit) as error:  # of the user's function
-                place = place_in(error)
-                why = f"{place}: " * bool(place) + f"{one.about}: {reason(error)}"
-                self.refused.append(why)
-
-    def faulty(self) -> list[str]:
-        """Whose data are not finite now."""
-        every = ((one.about, value) for one in self._timed for value in one.targets)
-        return [about for about, value in every if not np.isfinite(value).all()]
-
-    def code(self, time: Array) -> Code | None:
-        """The code whose only procedure fills the data; None if nothing depends on time."""
-        if not self._timed:
-            return None
-        code = Code()
-        code.procedure("set_data", set_data, tuple(self._timed), time)
-        return code
-
-
-def depends_on_time(make: Make, d: int) -> bool:
-    """Whether data depend on time. NotRecorded, or what the function raises on symbols."""
-    record = Record()
-    t, x = record.given("t"), tuple(record.given(f"x{c}") for c in range(d))
-    rows = [one if isinstance(one, tuple) else (one,) for one in make(x, t)]
-    every = needed([record.constant(number) for row in rows for number in row])
-    count = sum(symbol.value is None for symbol in every)
-    if count > MOST:
-        raise NotRecorded(f"it has {count} operations: expected {MOST} at most")
-    return t in set(every)
+    found, refused = list[Source](), list[str]()
+    for one in sources:
+        try:
+            record = Record()
+            t, x = record.given("t"), tuple(record.given(f"x{c}") for c in range(len(one.x)))
+            rows = [row if isinstance(row, tuple) else (row,) for row in one.make(x, t)]
+            every = needed([record.constant(number) for row in rows for number in row])
+            count = sum(symbol.value is None for symbol in every)
+            if count > MOST:
+                raise NotRecorded(f"it has {count} operations: expected {MOST} at most")
+            if t in set(every):
+                found.append(one)
+        except (Exception, SystemExit) as error:  # of the user's function
+            place = place_in(error)
+            refused.append(f"{place}: " * bool(place) + f"{one.about}: {reason(error)}")
+    return found, refused
 
 
 def asked(condition: Any, name: str, x: Any, t: Any, names: Sequence[str] = ()) -> Any:

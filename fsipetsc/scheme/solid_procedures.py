@@ -9,108 +9,72 @@ import numpy as np
 from fsipetsc.equations.tensors import add_unit, product, transpose
 from fsipetsc.equations.vectors import add, dot, per
 from fsipetsc.kernels.arrays import column, row
-from fsipetsc.kernels.loops import each, variable, when, whole
+from fsipetsc.kernels.loops import each
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
-from fsipetsc.scheme.face_kernels import strain_at
-from fsipetsc.scheme.monitor import along_axes, moment, note, observe, turning
-from fsipetsc.scheme.part import area, ghosted_node, ghosted_planes, owned, owned_planes, rows_of
+from fsipetsc.scheme.faces import strain_at
+from fsipetsc.scheme.monitor import along_axes, moment, note_potential, observe
+from fsipetsc.scheme.part import area, book, ghosted_node, ghosted_planes, owned_planes, rows_of
 
 
 def store(part, particles, y):
     """Tell particles what members of a solid store: energy per mass [J/kg] that is neither kinetic
     nor heat. See fsipetsc.particles.system.
     """
-    rows, at, solid = part.rows_of_stored, part.stored_at, part.laws
-    if solid.coupled:
-        for i in each(rows.shape[0]):
-            particles.stored[rows[i], 0] = 0.0
-        return
-    q = ghosted_planes(part, y, 2 * len(part.like) + 1).T
+    rows, q = part.rows_of_stored, ghosted_planes(part, y).T
     for i in each(rows.shape[0]):
-        F = strain_at(part, q, at[i])
-        energy = solid.energy(F) / solid.m0 + prestress_energy(part, F, at[i])
+        at, energy = part.stored_at[i], 0.0
+        if not part.laws.coupled:
+            energy = stored_energy(part, strain_at(part, q, at), at)
         particles.stored[rows[i], 0] = energy
 
 
-def rates(part, gain, found, y, f):
-    """Fill the part of f, from that of a completed y, with rates or stages (fsipetsc.scheme.sweep).
-    What comes in goes to ``gain``.
+def book_force(part, q, rates, gain):
+    """Book what a constant force gives, and return its work; q: of the owned nodes. The sweep has
+    added it to rates.
     """
-    dof = 2 * len(part.like) + 1
-    planes, of_f = ghosted_planes(part, y, dof), owned_planes(part, f, dof)
-    part.volume.sweep(part, found, owned_planes(part, y, dof), planes, of_f)
-    q, own = planes.T, of_f.T
-    work = part.dissipation.add(part, q, own, gain)
-    work += part.faces.add(part, q, own, gain)
-    work += supply(part, owned(part, y, dof), own, gain)
-    if part.loses:
-        gain.lost[0] += work
+    d, force = len(part.like), part.laws.force
+    work = book(part, gain, lambda i: (*force, dot(force, row(force, q, i, d))))
+    gain.work[0] += work
+    return work
 
 
 def supply(part, q, rates, gain):
-    """Add the case's forcing to the rates, and book what it and body forces give; q, rates: of the
-    owned nodes. Returns the work of body forces.
-    """
-    masses, forcing, d, total = part.masses, part.forcing, len(part.like), variable(0.0)
-    impulse, energy, inside = gain.impulse, gain.energy, gain.energy.size - 1
-    for c in range(d):
-        b = part.laws.force[c]
-        with when(b != 0.0):
-            work, push = variable(0.0), variable(0.0)
-            for i in each(masses.size):
-                work.value += masses[i] * b * q[i, d + c]
-                push.value += masses[i] * b
-            total.value += work.value
-            impulse[c] += push.value
-            energy[inside] += work.value
-            gain.work[0] += work.value
-    if forcing is None:
-        return total.value
-    for i in each(masses.size):
-        heat = part.laws.alpha * forcing[d, i]
+    """Add the case's forcing to the rates, and book it; q, rates: of the owned nodes."""
+    forcing, d = part.forcing, len(part.like)
+
+    def supplied(i):
+        """The force on a node, and the heat and power that it gets, per mass."""
+        push, heat = column(part.like, forcing, i), part.laws.alpha * forcing[d, i]
         for c in range(d):
-            push = forcing[c, i]
-            heat = heat + q[i, d + c] * push
+            heat = heat + q[i, d + c] * push[c]
             rates[i, c] += forcing[d + 1 + c, i]
-            rates[i, d + c] += push
-            impulse[c] += masses[i] * push
+            rates[i, d + c] += push[c]
         rates[i, 2 * d] += heat
-        energy[inside] += masses[i] * heat
-    return total.value
+        return *push, heat
 
-
-def solid_integrals(d):
-    """Return the names of the integrals of a solid in the order of its sums; one more sum follows,
-    minus the last integral.
-    """
-    return *along_axes("momentum", d), "energy", *turning(d), "solid_energy"
+    book(part, gain, supplied)
+    return 0.0
 
 
 def monitor(part, found, y):
     """Note extremes and sums, and what is recorded of interfaces in one dimension; fill F."""
-    d = len(part.like)
-    own = owned(part, y, 2 * d + 1)
-    find(part, owned_planes(part, y, 2 * d + 1), ghosted_planes(part, y, 2 * d + 1))
-    note(part, found)
-    note_potential(part, own, found)
+    d, X = len(part.like), part.X
+    own, halo = owned_planes(part, y), ghosted_planes(part, y)
+    part.volume.sweep_strains(part, own, halo, part.F)
+    q = own.T
+    observe(part, found, lambda own, node: seen_at(part, q, own, node))
+    if part.forced:
+        note_potential(part, found, lambda i: part.masses[i], lambda c, i, n: X[c, n] + q[i, c])
     if d == 1:
-        note_ends(part, own, found)
+        note_ends(part, q, found)
 
 
 def measure(part, y, q):
-    """Fill seen, sums and F of a part of a solid block; y, q: planes of its owned nodes, and of
-    those with a halo.
+    """Fill F of a part of a solid block; y, q: planes of its owned nodes, and of those with a
+    halo.
     """
-    dof = 2 * len(part.like) + 1
-    find(part, y.reshape(dof, part.masses.shape[0]), q.reshape(dof, part.metrics.shape[1]))
-
-
-def find(part, y, q):
-    """Fill seen, F and sums; y, q: planes of the owned nodes, and of those of the halo."""
+    y, q = y.reshape(part.dof, part.masses.shape[0]), q.reshape(part.dof, part.metrics.shape[1])
     part.volume.sweep_strains(part, y, q, part.F)
-    names = solid_integrals(len(part.like))
-    observe(part, names, lambda own, node: seen_at(part, y.T, own, node))
-    part.sums[-1] = -part.sums[part.sums.size - 2]
 
 
 def stressed(part, q, out):
@@ -118,13 +82,12 @@ def stressed(part, q, out):
     last F; q: planes of the ghosted nodes.
     """
     d, solid, M = len(part.like), part.laws, part.masses.shape[0]
-    zeros, q = (0.0,) * d, q.reshape(2 * d + 1, part.metrics.shape[1]).T
+    zeros, q = (0.0,) * d, q.reshape(part.dof, part.metrics.shape[1]).T
     for node, own, n in rows_of(part):
         for i in each(n, vector=True):
             at, F = node + i, column(solid.unstrained(zeros), part.F, own + i)
             v, e = row(zeros, q, at, d), q[at, 2 * d]
-            extra = 0.0 if solid.coupled else prestress_energy(part, F, at)
-            T, J = solid.temperature(v, e - extra, F), solid.volume(F)
+            T, J = temperature(part, v, e, F, at), solid.volume(F)
             P = solid.stress_at(F, T)
             if part.prestress is not None:
                 P = add(P, column((0.0,) * d * d, part.prestress, at))
@@ -142,8 +105,7 @@ def seen_at(part, q, own, node):
     zeros = (0.0,) * d
     displacement, v, e = row(zeros, q, own), row(zeros, q, own, d), q[own, 2 * d]
     F = column(solid.unstrained(zeros), part.F, own)
-    extra = prestress_energy(part, F, node)
-    T, J = solid.temperature(v, e if solid.coupled else e - extra, F), solid.volume(F)
+    T, J = temperature(part, v, e, F, node), solid.volume(F)
     squares, J0 = 0.0, metrics[d * d, node]
     for k in range(d):
         A = area(part, k, node)
@@ -157,46 +119,43 @@ def seen_at(part, q, own, node):
     fastest = np.where(fastest < np.inf, fastest, np.inf)
     diffusion = STIFFNESS_OF_WIDE * solid.kappa / (solid.m0 * solid.alpha) * squares
     bad, least = np.where(fastest < np.inf, 0.0, 1.0), -np.where(J < np.inf, J, np.inf)
-    energy = 0.5 * dot(v, v) + solid.energy(F) / solid.m0 + extra if part.loses else 0.0
-    x = add(column(zeros, part.X, node), displacement)
-    densities = {
-        **dict(zip(along_axes("momentum", d), v, strict=True)),
+    energy = 0.5 * dot(v, v) + stored_energy(part, F, node) if part.loses else 0.0
+    return (bad, fastest, diffusion, least, 0.0), {
+        **along_axes("momentum", v),
         "energy": e,
-        **dict(zip(turning(d), moment(x, v), strict=True)),
+        **moment(add(column(zeros, part.X, node), displacement), v),
         "solid_energy": energy,
+        "lost_energy": -energy,
     }
-    return (bad, fastest, diffusion, least, 0.0), densities
+
+
+def stored_energy(part, F, node):
+    """Elastic energy per mass."""
+    return part.laws.energy(F) / part.laws.m0 + prestress_energy(part, F, node)
 
 
 def prestress_energy(part, F, node):
     """S : (F - 1)/m0 of a prestress S [J/kg], of which T knows with heat 'elastic' alone."""
     if part.prestress is None:
         return 0.0
-    zeros = (0.0,) * len(part.like) ** 2
-    S, strain = column(zeros, part.prestress, node), F[: len(zeros)]
-    return dot(S, add_unit(-1.0, strain)) / part.laws.m0
+    S = column((0.0,) * len(part.like) ** 2, part.prestress, node)
+    return dot(S, add_unit(-1.0, F[: len(S)])) / part.laws.m0
 
 
-def note_potential(part, q, found):
-    """Note - sum M b . x of the owned nodes, the potential energy of a constant force."""
-    masses, X = part.masses, part.X
-    for c in range(len(part.like)):
-        b = part.laws.force[c]
-        with when(b != 0.0):
-            total = variable(0.0)
-            for i in each(masses.size):
-                place = X[c, ghosted_node(i, part.patch)] + q[i, c]
-                total.value -= masses[i] * b * place
-            found.latest[part.level] += total.value
+def temperature(part, v, e, F, node):
+    """The temperature of a node."""
+    stored = 0.0 if part.laws.coupled else prestress_energy(part, F, node)
+    return part.laws.temperature(v, e - stored, F)
 
 
 def note_ends(part, q, found):
-    """Note displacement, velocity, sigma and T of nodes at interfaces, in one dimension."""
+    """Note place, velocity, sigma and T of nodes at interfaces, in one dimension."""
     solid, ends = part.laws, part.interfaces
     for m in each(ends.shape[0]):
-        number, own, X, S = whole(ends[m, 0]), whole(ends[m, 1]), ends[m, 2], ends[m, 3]
-        F, v, e = column(solid.unstrained((0.0,)), part.F, own), (q[own, 1],), q[own, 2]
-        stored = 0.0 if solid.coupled else S * (F[0] - 1.0) / solid.m0
-        of_end = X + q[own, 0], v[0], solid.line_stress(F) + S, solid.temperature(v, e - stored, F)
+        own, node = ends[m, 1], ghosted_node(ends[m, 1], part.patch)
+        F, v = column(solid.unstrained((0.0,)), part.F, own), q[own, 1]
+        S = 0.0 if part.prestress is None else part.prestress[0, node]
+        T = temperature(part, (v,), q[own, 2], F, node)
+        of_end = part.X[0, node] + q[own, 0], v, solid.line_stress(F) + S, T
         for c, value in enumerate(of_end):
-            found.at_ends[c][number] = value
+            found.at_ends[c][ends[m, 0]] = value

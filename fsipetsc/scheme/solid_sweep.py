@@ -14,20 +14,26 @@ The power is, pair by pair, S_il (t_i . v_l + t_l . v_i)/2: nothing is lost or w
 A layer is loaded, and its F and t^k are found, when rates that need them are next. Boxes of nodes
 around a tile say where what is needed: F, T and t^k where its pairs reach, displacements where
 these reach in turn; conduction reaches once more. What two tiles need is found twice by the same
-operations: rates do not depend on tiles, nor on how a block is cut.
+operations: rates do not depend on tiles, nor on how a block is cut. The kernels are at the end.
 """
 
-from itertools import product
+from collections.abc import Sequence
+from itertools import product as combined
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
+from fsipetsc.equations.tensors import add_unit, apply, column_sums, product, transpose
+from fsipetsc.equations.vectors import add, along, dot, scale, sub, total
 from fsipetsc.kernels.arrays import Array, aligned
-from fsipetsc.kernels.kernel import numbers_of
+from fsipetsc.kernels.kernel import OWNED, PLANES, ROWS, SHARED, Kernel, Layout, numbers_of
 from fsipetsc.kernels.loops import each, named, otherwise, pick, when
-from fsipetsc.operators.bands import Band, Patch
-from fsipetsc.scheme.sweep import Sweep, in_order, order, parts, pieces
+from fsipetsc.operators.bands import Patch
+from fsipetsc.scheme.sweep import KINDS, Sweep, in_order, order, parts, pieces, store
 
+#: planes of a tile
+TILE = Layout("{c} * step + {i}", "step")
 #: kinds of derivatives: D_k and D°_k
 PLAIN, FREE = range(2)
 #: most nodes of a tile along the first axis, and along the second one of three, for d = 1, 2, 3
@@ -41,40 +47,31 @@ KNOWN, STRAINED, HEATED, OWN = range(4)
 
 def distances(layers: int, strides: Any, axes: Any, pairs: int) -> Array:
     """Return `far` of SolidSweep."""
-    m, places = np.arange(1, pairs + 1), np.arange(layers)[:, None]
-    found = np.zeros((2, layers, len(axes), pairs), np.int64)
-    for sign, of_side in zip((1, -1), found, strict=True):
-        for n, k in enumerate(axes):
-            far = (places + sign * m) % layers - places if k == 2 else sign * m
-            of_side[:, n] = far * strides[k]
-    return found.reshape(2, layers, -1)
+    places, m = np.arange(layers)[:, None], np.arange(1, pairs + 1) * np.array([[[1]], [[-1]]])
+    along_layers = (places + m) % layers - places
+    every = [(along_layers if k == 2 else m + 0 * places) * strides[k] for k in axes]
+    return np.concatenate(every, axis=-1)
 
 
-def tiles_of(patch: Patch, d: int) -> list[Any]:
-    """Return the tiles of the owned nodes: (begin, end) along each axis."""
-    most = *TILES[d - 1], patch.own[2]
-    return list(product(*map(pieces, patch.first, patch.own, most)))
+def boxes_of(bands: Any, patch: Patch, d: int, conducts: bool) -> Array:
+    """Return the boxes KNOWN … OWN of all tiles of the owned nodes: (tiles, 4, 3, 2)."""
+    most, found = (*TILES[d - 1], patch.own[2]), []
+    for own in combined(*map(pieces, patch.first, patch.own, most)):
+        near = reached(bands, own)
+        strained = reached(bands, near) if conducts else near
+        found.append([reached(bands, strained), strained, near, own])
+    return np.array(found)
 
 
-def boxes_of(bands: tuple[Band, ...], own: Any, conducts: bool) -> list[Any]:
-    """Return the boxes KNOWN … OWN of a tile."""
-
-    def reached(box: Any) -> Any:
-        return [reached_along(b.S, *ends) for b, ends in zip(bands, box, strict=True)]
-
-    near = reached(own)
-    strained = reached(near) if conducts else near
-    return [reached(strained), strained, near, own]
-
-
-def reached_along(S: Array, begin: int, end: int) -> tuple[int, int]:
-    """Return the first node and the first one beyond that have pairs with nodes begin … end - 1."""
-    first = max(begin - len(S) + 1, 0)
-    m, i = np.nonzero(S[:, first:end])
-    i += first
-    l = np.minimum(i + m, S.shape[1] - 1)
-    inside = (i >= begin) | (begin <= l) & (l < end)
-    return min([begin, *i[inside].tolist()]), max([end - 1, *l[inside].tolist()]) + 1
+def reached(bands: Any, box: Any) -> Any:
+    """Return the box of all nodes that have pairs with those of a box, and of these."""
+    found = []
+    for (S, _), (begin, end) in zip(bands, box, strict=True):
+        m, i = np.nonzero(S)
+        l = np.minimum(i + m, S.shape[1] - 1)
+        met = (begin <= i) & (i < end) | (begin <= l) & (l < end)
+        found.append((min([begin, *i[met]]), max([end - 1, *l[met]]) + 1))
+    return found
 
 
 def neighbours(bands: Any) -> tuple[Array, Array, Array]:
@@ -112,15 +109,15 @@ class SolidSweep(Sweep):
     inside: three pairs, first node and first beyond of those of the interior, None of axes that are
     not there; far: (2, layers, d pairs) of these, how far those of a pair are ahead and behind in a
     tile, by place in the ring; inner: (d pairs,) weights of both. row, layer: nodes of a row and of
-    a layer of a tile; layers: how many are kept. By components, of the nodes of a tile: unknowns,
-    strains F, tractions t^k, temperatures T, heats A^k . h; of those of a row: slopes.
+    a layer of a tile; layers: how many are kept. tile: by components, of the nodes of a tile:
+    unknowns, strains F, tractions t^k, temperatures T, heats A^k . h; slopes: of those of a row.
     """
 
     def __init__(self, solid: Any, d: int, kernels: Any, bands: Any, patch: Patch) -> None:
         bands, patch = in_order(bands, d), Patch(*(in_order(of_axes, d) for of_axes in patch))
         self.kernels, self.p = kernels, np.array([*numbers_of(solid), 0.0])
         conducts, pairs = kernels.conduct is not None, kernels.pairs
-        self.boxes = np.array([boxes_of(bands, own, conducts) for own in tiles_of(patch, d)])
+        self.boxes = boxes_of(bands, patch, d, conducts)
         known, *stages = [tuple(box) for box in self.boxes[0, :, 2].tolist()]  # those of all tiles
         stages = stages if conducts else [stages[0], stages[-1]]
         self.steps = order(bands[2].S, (known, *stages))
@@ -136,12 +133,11 @@ class SolidSweep(Sweep):
         self.inside, self.far = tuple(inside), distances(self.layers, strides, axes, pairs)
         self.inner = np.concatenate(of_pairs)
         # whole vectors, an odd number: components do not compete for one place of the fast memory
-        step = 8 * (self.layers * self.layer // 16 * 2 + 3)
-        counts = 2 * d + 1, len(solid.unstrained((0.0,) * d)), d * d, 1, d
-        self.unknowns, self.strains, self.tractions, self.temperatures, self.heats = (
-            aligned(c * step).reshape(c, step) for c in counts
-        )
-        self.slopes = np.zeros((2 * d * d + d, WIDTH))
+        self.step = 8 * (self.layers * self.layer // 16 * 2 + 3)
+        counts = {"unknowns": 2 * d + 1, "strains": len(solid.unstrained((0.0,) * d))}
+        counts |= {"tractions": d * d, "temperatures": 1, "heats": d}
+        made = {name: aligned(c * self.step).reshape(c, -1) for name, c in counts.items()}
+        self.tile, self.slopes = SimpleNamespace(**made), np.zeros((2 * d * d + d, WIDTH))
 
     def sweep(self, part, found, y, q, f):
         """Store the rates of the owned nodes, or what becomes of them (fsipetsc.scheme.sweep), in
@@ -182,67 +178,51 @@ class SolidSweep(Sweep):
 
     def given(self, x, y, z):
         """What kernels take of the nodes from one on."""
-        part, at, place = self.part, self.at(x, y, z), self.ghosted_at(x, y, z)
-        names = "unknowns", "strains", "tractions", "temperatures", "heats"
-        found = {name: getattr(self, name)[0, at:] for name in names}
-        if part.prestress is not None:
-            found["prestress"] = part.prestress[0, place:]
-        metrics, pairs = part.metrics[0, place:], z % self.layers
-        return found | {
-            **{"metrics": metrics, "N": self.N, "step": self.unknowns.shape[1], "p": self.p},
-            **{
-                "slopes": self.slopes.reshape(-1),
-                "far": self.far[0, pairs],
-                "back": self.far[1, pairs],
-            },
-            "w": self.inner,
-        }
+        at, place, ring = self.at(x, y, z), self.ghosted_at(x, y, z), z % self.layers
+        found = {name: array[0, at:] for name, array in vars(self.tile).items()}
+        found |= {"slopes": self.slopes[0], "metrics": self.part.metrics[0, place:], "N": self.N}
+        if self.part.prestress is not None:
+            found["prestress"] = self.part.prestress[0, place:]
+        found |= {"far": self.far[0, ring], "back": self.far[1, ring], "w": self.inner}
+        return {**found, "step": self.step, "p": self.p}
 
     def load(self, x, n, y, z):
         """Load unknowns."""
         for begin, count, q, N in self.loaded(x, x + n, y, z):
-            unknowns = self.unknowns[0, self.at(begin, y, z) :]
-            self.kernels.take(count, q=q, N=N, unknowns=unknowns, step=self.unknowns.shape[1])
+            at, unknowns = self.at(begin, y, z), self.tile.unknowns
+            for c in range(2 * self.d + 1):
+                for i in each(count, vector=True):
+                    unknowns[c, at + i] = q[c * N + i]
 
-    def differentiate(self, kind, f, first, following, count, to, x, n, y, z):
-        """Store D_k f for k = 1 … d in planes of slopes, from ``to`` on; if kind is FREE, D°_k f.
-        Along axis k these are derivatives of count planes of f, from first + k following on. Nodes
-        with the same neighbours are taken together: along the row those in the interior, across it
-        all.
+    def differentiate(self, kind, f, count, to, x, n, y, z):
+        """Store D_k of count planes of f[k] for all axes k in planes of slopes, from ``to`` on; if
+        kind is FREE, D°_k. Nodes with the same neighbours are taken together: along the row those
+        in the interior, across it all.
         """
-        runs = self.runs
-        for k in range(self.d):
-            axis = 2 * k if self.d == 2 else k
-            of_f, to_slopes = first + k * following, to + k * count
+        for k, planes in enumerate(f):
+            axis, out = 2 * k if self.d == 2 else k, self.slopes[to + k * count :]
             if axis:
-                node = (y, z)[axis - 1]
-                self.combine(kind, axis, node, f, of_f, count, to_slopes, x, x, n, y, z)
+                self.combine(kind, axis, (y, z)[axis - 1], planes, count, out, x, x, n, y, z)
                 continue
-            for run in each(runs.shape[0]):
-                begin = named(np.maximum(runs[run, 0], x))
-                many = named(np.minimum(runs[run, 1], x + n) - begin)
+            for run in each(self.runs.shape[0]):
+                begin = named(np.maximum(self.runs[run, 0], x))
+                many = named(np.minimum(self.runs[run, 1], x + n) - begin)
                 with when(many > 0):
-                    self.combine(kind, 0, begin, f, of_f, count, to_slopes, x, begin, many, y, z)
+                    self.combine(kind, 0, begin, planes, count, out, x, begin, many, y, z)
 
-    def combine(self, kind, axis, node, f, first, count, to, x, begin, n, y, z):
+    def combine(self, kind, axis, node, f, count, out, x, begin, n, y, z):
         """The same along one axis, of n nodes from ``begin`` on of the row that begins at x; node:
         whose neighbours they have along the axis.
         """
-        at = self.at(begin, y, z)
-        for group in each((self.jumps[axis, node, 0] + 3) // 4):
-            m = named(4 * group + 1)
-            far = [self.away(axis, self.jumps[axis, node, m + i], z) for i in range(4)]
+        at, jumps, weights = self.at(begin, y, z), self.jumps[axis, node], self.weights
+        for group in each((jumps[0] + 3) // 4):
+            several = [named(4 * group + 1 + m) for m in range(4)]
+            w = [weights[kind, axis, node, m] for m in several]
+            places = [at + self.away(axis, jumps[m], z) for m in several]
             for c in each(count):
-                plane = f[first + c]
-                given = dict(zip("abcd", (plane[at + one :] for one in far), strict=True))
-                given |= {
-                    "w": self.weights[kind, axis, node, m:],
-                    "out": self.slopes[to + c, begin - x :],
-                }
-                with when(group == 0):
-                    self.kernels.combine(n, **given)
-                with otherwise():
-                    self.kernels.add(n, **given)
+                for i in each(n, vector=True):
+                    found, place = dot(w, [f[c, far + i] for far in places]), begin - x + i
+                    out[c, place] = np.where(group == 0, found, out[c, place] + found)
 
     def away(self, axis, jump, z):
         """Numbers between a node and a neighbour along an axis in planes of the tile."""
@@ -259,26 +239,24 @@ class SolidSweep(Sweep):
                 self.kernels.pull_inside(count, **self.given(begin, y, z))
             with otherwise():
                 place = begin, count, y, z
-                self.differentiate(PLAIN, self.unknowns, 0, 0, self.d, 0, *place)
+                self.differentiate(PLAIN, [self.tile.unknowns] * self.d, self.d, 0, *place)
                 self.kernels.pull(count, **self.given(begin, y, z))
 
     def find_heats(self, x, n, y, z):
         """Find the heats A^k . h."""
-        self.differentiate(PLAIN, self.temperatures, 0, 0, 1, 0, x, n, y, z)
+        self.differentiate(PLAIN, [self.tile.temperatures] * self.d, 1, 0, x, n, y, z)
         self.kernels.conduct(n, **self.given(x, y, z))
 
     def find_strains(self, x, n, y, z):
         """Store F."""
-        own, at = self.own_at(x, y, z), self.at(x, y, z)
-        self.differentiate(PLAIN, self.unknowns, 0, 0, self.d, 0, x, n, y, z)
-        self.kernels.strain(n, **self.given(x, y, z))
-        for c in each(self.strains.shape[0]):
-            for i in each(n, vector=True):
-                self.f[c, own + i] = self.strains[c, at + i]
+        F = self.f[0, self.own_at(x, y, z) :]
+        self.differentiate(PLAIN, [self.tile.unknowns] * self.d, self.d, 0, x, n, y, z)
+        self.kernels.strain(n, F=F, M=self.M, **self.given(x, y, z))
 
     def store(self, x, n, y, z):
         """Store rates, but the next stage of nodes to whose rates nothing is added."""
-        d = self.d
+        d, tile = self.d, self.tile
+        tractions = [tile.tractions[k * d :] for k in range(d)]
         for first, length, kind in self.stored(x, x + n, y, z):
             for begin, count, inside in parts(first, first + length, y, z, self.inside):
                 own, given = self.own_at(begin, y, z), self.given(begin, y, z)
@@ -286,8 +264,120 @@ class SolidSweep(Sweep):
                     self.run(self.kernels.stores_inside, kind, count, own, **given)
                 with otherwise():
                     place = begin, count, y, z
-                    self.differentiate(FREE, self.tractions, 0, d, d, 0, *place)
-                    self.differentiate(PLAIN, self.unknowns, d, 0, d, d * d, *place)
+                    self.differentiate(FREE, tractions, d, 0, *place)
+                    self.differentiate(PLAIN, [tile.unknowns[d:]] * d, d, d * d, *place)
                     if self.kernels.conduct is not None:
-                        self.differentiate(FREE, self.heats, 0, 1, 1, 2 * d * d, *place)
+                        heats = [tile.heats[k:] for k in range(d)]
+                        self.differentiate(FREE, heats, 1, 2 * d * d, *place)
                     self.run(self.kernels.stores, kind, count, own, **given)
+
+
+def solid_kernels(solid: Any, d: int, order: int, prestressed: bool) -> SimpleNamespace:
+    """All kernels of a solid in d dimensions; order: of the operators in the interior. _inside:
+    those of nodes there, which have so many pairs of nodes on both sides. conduct: None without
+    conduction.
+    """
+    pairs, kinds = order // 2, list(enumerate(KINDS))
+    return SimpleNamespace(
+        pairs=pairs,
+        strain=_strain(solid, d),
+        pull=_pull(solid, d, 0, prestressed),
+        pull_inside=_pull(solid, d, pairs, prestressed),
+        stores=tuple(_accelerate(solid, d, 0, *kind) for kind in kinds),
+        stores_inside=tuple(_accelerate(solid, d, pairs, *kind) for kind in kinds),
+        conduct=_conduct(solid, d) if solid.kappa > 0.0 else None,
+    )
+
+
+def _slopes(
+    kernel: Kernel, pairs: int, f: str, first: Sequence[int], count: int, to: int
+) -> tuple[Any, ...]:
+    """Derivatives D_k of so many planes of f for each axis k, which begin at its number of
+    ``first``: if pairs is 0 from rows that have them, from ``to`` on; in the interior from so many
+    pairs of nodes on both sides, with weights w and distances far, axis by axis:
+
+        D_k f = sum_m w_km (f_(i + m) - f_(i - m))
+    """
+    if not pairs:
+        return kernel.read("slopes", ROWS, len(first) * count, to)
+    found: tuple[Any, ...] = ()
+    for k, plane in enumerate(first):
+        D: tuple[Any, ...] = ()
+        for number in range(k * pairs, (k + 1) * pairs):
+            both = (kernel.read(f, TILE, count, plane, (far, number)) for far in ("far", "back"))
+            (w,), change = kernel.read("w", SHARED, 1, number), sub(*both)
+            D = along(D, w, change) if D else scale(w, change)
+        found += D
+    return found
+
+
+def _strain(solid: Any, d: int) -> Kernel:
+    kernel = Kernel("solid_strain", "F = 1 + 1/J0 sum_k D_k D A^k, with the stretch of hoops.")
+    solid = kernel.parameters(solid)
+    kernel.store("F", OWNED, _found_strain(kernel, solid, d, 0))
+    return kernel
+
+
+def _found_strain(kernel: Kernel, solid: Any, d: int, pairs: int) -> Any:
+    A, (J0,) = kernel.read("metrics", PLANES, d * d), kernel.read("metrics", PLANES, 1, d * d)
+    D_D = _slopes(kernel, pairs, "unknowns", (0,) * d, d, 0)
+    gradient = scale(1.0 / J0, product(transpose(D_D), A))
+    D = kernel.read("unknowns", TILE, d) if solid.around else ()
+    R = kernel.read("metrics", PLANES, 1, d * d + 1)[0] if solid.around else 0.0
+    return solid.with_hoops(add_unit(1.0, gradient), D, R)
+
+
+def _pull(solid: Any, d: int, pairs: int, prestressed: bool) -> Kernel:
+    """Add a prestress S to P, and take its energy S : (F - 1)/m0 from that of which T is made."""
+    says = "F, T, and the tractions t^k = (P + S) A^k with a prestress S."
+    kernel, conducts = Kernel("solid_pull" + "_inside" * (pairs > 0), says), solid.kappa > 0.0
+    solid, A = kernel.parameters(solid), kernel.read("metrics", PLANES, d * d)
+    F, v = _found_strain(kernel, solid, d, pairs), kernel.read("unknowns", TILE, d, d)
+    if conducts or solid.around:
+        kernel.store("strains", TILE, F)
+    (e,) = kernel.read("unknowns", TILE, 1, 2 * d)
+    S = kernel.read("prestress", PLANES, d * d) if prestressed else ()
+    if prestressed and not solid.coupled:
+        e = e - dot(S, add_unit(-1.0, F[: d * d])) / solid.m0
+        kernel.store("unknowns", TILE, (e,), 2 * d)
+    T = solid.temperature(v, e, F)
+    tractions = product(A, transpose(solid.stress_at(F, T)))
+    if prestressed:
+        tractions = add(tractions, product(A, transpose(S)))
+    if conducts:
+        kernel.store("temperatures", TILE, (T,))
+    kernel.store("tractions", TILE, tractions)
+    return kernel
+
+
+def _conduct(solid: Any, d: int) -> Kernel:
+    kernel = Kernel("solid_conduct", "A^k . h with grad T = 1/J0 sum_k A^k D_k T.")
+    solid = kernel.parameters(solid)
+    A, (J0,) = kernel.read("metrics", PLANES, d * d), kernel.read("metrics", PLANES, 1, d * d)
+    gradient = scale(1.0 / J0, apply(transpose(A), kernel.read("slopes", ROWS, d)))
+    F = kernel.read("strains", TILE, len(solid.unstrained((0.0,) * d)))
+    h = solid.heat_flux(F, gradient)
+    kernel.store("heats", TILE, apply(A, h))
+    return kernel
+
+
+def _accelerate(solid: Any, d: int, pairs: int, number: int, kind: str) -> Kernel:
+    """Store the rates that follow from D°_k t^k, D_k v and, with conduction, D°_k A^k . h."""
+    says = "(v, Div P/m0 + b, Div (P^T v + h)/m0 + b . v), or what follows from these rates."
+    kernel = Kernel(f"solid_{kind}" + "_inside" * (pairs > 0), says)
+    conducts, solid = solid.kappa > 0.0, kernel.parameters(solid)
+    per_mass = 1.0 / (kernel.read("metrics", PLANES, 1, d * d)[0] * solid.m0)
+    v, t = kernel.read("unknowns", TILE, d, d), kernel.read("tractions", TILE, d * d)
+    force = column_sums(_slopes(kernel, pairs, "tractions", range(0, d * d, d), d, 0))
+    power = dot(v, force) + dot(t, _slopes(kernel, pairs, "unknowns", (d,) * d, d, d * d))
+    if conducts:
+        power = power + total(_slopes(kernel, pairs, "heats", range(d), 1, 2 * d * d))
+    acceleration = along(solid.force, per_mass, force)
+    if solid.around:
+        F = kernel.read("strains", TILE, len(solid.unstrained((0.0,) * d)))
+        (e,) = kernel.read("unknowns", TILE, 1, 2 * d)
+        (R,) = kernel.read("metrics", PLANES, 1, d * d + 1)
+        acceleration = solid.with_hoop_force(acceleration, v, e, F, R)
+    energy = per_mass * power + dot(solid.force, v)
+    store(kernel, number, (*v, *acceleration, energy))
+    return kernel

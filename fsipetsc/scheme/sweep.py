@@ -13,7 +13,7 @@ and, as y_1 - y is dt/2 k(y) and so on, without a sum that is kept from stage to
     y + 1/3 ((y1 - y) + 2 (y2 - y) + (y3 - y)) + dt/6 k(y3)
 
 With the other nodes, whose stages conditions may change, ``advance`` of
-fsipetsc.scheme.runge_kutta does the same after all is added, with such a sum.
+fsipetsc.scheme.plan does the same after all is added, with such a sum.
 """
 
 from collections.abc import Sequence
@@ -28,7 +28,7 @@ from fsipetsc.kernels.kernel import OWNED, Kernel, c_source, unit
 from fsipetsc.kernels.loops import each, either, named, pick, when, whole
 
 #: what is stored: k, the next stage, the solution
-RATES, NEXT, LAST = range(3)
+RATES, STAGE, LAST = range(3)
 KINDS = "rates", "next", "last"
 
 
@@ -38,7 +38,7 @@ def store(kernel: Kernel, kind: int, k: Sequence[Any]) -> None:
         kernel.store("next", OWNED, k)
         return
     a = kernel.number("a")
-    if kind == NEXT:
+    if kind == STAGE:
         kernel.store("next", OWNED, along(kernel.read("y", OWNED, len(k)), a, k))
         return
     y = kernel.read("next", OWNED, len(k))  # the solution, which becomes the next one
@@ -100,7 +100,7 @@ class Sweep(SimpleNamespace):
     """
 
     def begin(self, part: Any, found: Any, y: Any, q: Any, f: Any) -> None:
-        """Record what follows for a part. found: see fsipetsc.scheme.runge_kutta. y: planes of the
+        """Record what follows for a part. found: see fsipetsc.scheme.plan. y: planes of the
         owned nodes of a state, q: of all with the halo, f: of what is found.
         """
         self.part, self.found, self.d = part, found, len(part.like)

@@ -13,7 +13,7 @@ from fsipetsc.errors import InputError, clear_frames, petsc_words
 from fsipetsc.process.together import agree
 from fsipetsc.scheme import plan
 from fsipetsc.scheme.observables import INTEGRAL, SERIES
-from fsipetsc.scheme.runge_kutta import STAGES
+from fsipetsc.scheme.plan import STAGES
 from fsipetsc.state import FAULT, State
 from fsipetsc.stepping.notes import Ledgers, check
 
@@ -116,7 +116,9 @@ class Integrator:
         """
         comm, steps, self._recorded = self.comm, self.state.journal[: self._recorded], 0
         if comm.size > 1 and len(steps):
-            first = steps.dtype.fields[plan.shares(steps.dtype)[0]][1] // 8  # shares begin there
+            kinds = [SERIES[name].kind for name in steps.dtype.names]
+            name = steps.dtype.names[kinds.index(INTEGRAL)]  # from there on these are shares
+            first = steps.dtype.fields[name][1] // 8
             own = steps.view(np.float64).reshape(len(steps), -1)[:, first:]
             sums = own.copy()
             comm.Reduce(MPI.IN_PLACE if comm.rank == 0 else sums, sums, MPI.SUM, 0)

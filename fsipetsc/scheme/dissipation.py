@@ -1,0 +1,347 @@
+"""Dissipation along each axis k, of order q everywhere and of order 1 at shocks, with undivided
+differences Delta_q (fsipetsc.operators.bands). docs/entropy.md says what it does.
+
+In a gas mass, momentum, energy and a uniform flow stay, and entropy does not fall:
+
+    (J U)_t  -=  H_k^-1 Delta_q^T  sigma/4^q (1 - alpha) lambda/(1 + eta) U_z Delta_q z
+    eta       =  T/K Delta_q z . U_z Delta_q z,    K = rho dp/drho at constant T
+
+lambda = |a^k . u - g^k| + c |a^k|, z the entropy variables, U_z = dU/dz at the mean rho, u/T and
+1/T of the nodes in the middle, which is positive definite. At shocks the flux of a pair of nodes
+i < l goes in part from node to node:
+
+    S_il F(i, l)  becomes  (1 - alpha_il) S_il F(i, l)
+                  and      alpha_il S_il F(m, m + 1; a_il, g_il)  between m and m + 1,  i <= m < l,
+
+with F(m, m + 1; a, g) the two-point flux of neighbours through the area a and volume flux g of the
+pair. With the potentials psi, phi of the entropy, (z_l - z_i) . F(i, l; a, g) = a . (psi_l - psi_i)
+- g (phi_l - phi_i): such links change the entropy as the pair does. F is linear in a and g, so
+neighbours have one flux, through
+
+    A_m = sum alpha_il S_il a_il,   G_m = sum alpha_il S_il g_il   over all pairs with i <= m < l.
+
+To it comes the flux of Lax and Friedrichs, beta/2 max(|A . u - G| + c |A|) (U_m - U_m+1), which
+makes entropy grow. alpha of a pair is the largest of its nodes and of those between. At a node j
+
+    alpha = min(1, max(0, 2.5 (s - 0.03))),   d_+ = f_j+1 - f_j,   d_- = f_j - f_j-1,
+    s = |d_+ - d_-| / (|d_+| + |d_-| + size),
+
+the largest s of f = rho, p and a_j . u, with the sizes 0.05 (rho_j+1 + 2 rho_j + rho_j-1), the same
+of K, and 2 c_j |a_j|; 0 at an end. Of a_j . u the d_+ and d_- below 0 count, which compress. After
+R. C. Swanson and E. Turkel, J. Comput. Phys. 101, 1992, for p and with p as the size. Finite
+volumes between the nodes of a summation-by-parts scheme: S. Hennemann et al., J. Comput. Phys. 426,
+2021. That alpha may vary from pair to pair was derived for this program.
+
+In a solid what motion it takes becomes heat at the same place: with K the wave modulus at rest and
+M_q the mean of the nodes in the middle of a difference, where A^k is taken, too,
+
+    F = (a + b alpha) sqrt(K m0) |A^k| Delta_q v
+    J0 m0 v_t  -=  H_k^-1 Delta_q^T F
+    J0 m0 e_t  -=  v . H_k^-1 Delta_q^T F  -  H_k^-1 M_q^T (F . Delta_q v)
+    s = |d_+ - d_-| / (|d_+| + |d_-| + 0.02 sqrt(K/m0)),    f = v, |.| the length of a vector
+
+Momentum and energy stay, and entropy grows, as F . Delta_q v >= 0. Everywhere q is half the order
+of the scheme, a = sigma/4^q. At shocks q = 1, a = 0, b = 0.7 times the option; then the former has
+b = -a. alpha of a difference is the largest of its nodes.
+"""
+
+from functools import partial
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from fsipetsc.equations.vectors import add, along, choose, dot, mean, scale, sub
+from fsipetsc.kernels.arrays import column, row
+from fsipetsc.kernels.loops import each, variable, when
+from fsipetsc.operators.bands import Differences, difference
+from fsipetsc.scheme.gas_terms import collect_force
+from fsipetsc.scheme.part import area, gas_at, moving, rows_of
+
+#: s up to which there is no shock, and how fast alpha rises from there
+NO_SHOCK, RISE = 0.03, 2.5
+#: in the denominator of s: part of rho and K of a gas, of the speed of sound of a solid
+SMALL, SMALL_OF_SOLID = 0.05, 0.02
+#: usual strength at shocks of a solid
+AT_SHOCKS = 0.7
+
+
+class Damping(SimpleNamespace):
+    """What terms of gas and solid share for the N nodes of a patch in d dimensions: differences,
+    room for alpha of nodes, and for so many numbers of each difference, after zeros.
+    """
+
+    def __init__(self, d: int, differences: Differences, numbers: int) -> None:
+        self.differences, self.alpha = differences, np.zeros(differences.norm.shape[1])
+        self.F = np.zeros((numbers, differences.room(d)))
+
+    @property
+    def order(self) -> int:
+        return len(self.differences.weights) - 1
+
+    def sense(self, steepness, k, length):
+        """Fill alpha of all nodes along axis k of so many; steepness: returns the s of a node."""
+        alpha, stride = self.alpha, self.differences.strides[k]
+        for line in each(alpha.size // (stride * length)):
+            first = line * (stride * length)
+            begin, beyond = first + stride, first + stride * length
+            end = np.maximum(begin, beyond - stride)
+            alpha[first:begin] = 0.0
+            for i in each(begin, end, vector=True):
+                steep = RISE * (steepness(i, stride) - NO_SHOCK)
+                alpha[i] = np.minimum(1.0, np.maximum(0.0, steep))
+            alpha[end:beyond] = 0.0
+
+    def largest(self, i, stride):
+        """Return the largest alpha at the nodes of the difference that begins at a node."""
+        found = self.alpha[i]
+        for m in range(1, self.order + 1):
+            found = np.maximum(found, self.alpha[i + m * stride])
+        return found
+
+    def fill(self, k, of):
+        """Fill F of differences along axis k, by their first nodes, with zeros where one does not
+        fit. of(i, l, r, stride, norm): F of the one that begins at a node, from the nodes in its
+        middle.
+        """
+        order, stride, N = self.order, self.differences.strides[k], self.alpha.size
+        before, last = self.F.shape[1] - N, N - order * stride
+        for i in each(last, vector=True):
+            l, r = i + order // 2 * stride, i + (order + 1) // 2 * stride
+            self.F[:, before + i] = of(i, l, r, stride, self.differences.norm[k, i])
+        self.F[:, before + last :] = 0.0
+
+    def back(self, count, k, node):
+        """Return Delta^T F at a node, of the first numbers."""
+        stride = self.differences.strides[k]
+        first = self.F.shape[1] - self.alpha.size + node - self.order * stride
+        # weights of Delta^T: those of Delta in reverse order, perhaps with sign -1
+        weights = scale(1.0 - 2.0 * (self.order % 2), self.differences.weights)
+        return difference(lambda n: column((0.0,) * count, self.F, n), first, stride, weights)
+
+
+class GasDamping(Damping):
+    """Both terms of a gas. sigma, shock: their sizes, None: none; raises: of the form of
+    convection.
+
+    Memory, (numbers, nodes): states, entropy variables, areas and volume fluxes of links, sums. In
+    a constant force there are more of these, and of F: see fsipetsc.scheme.gas_terms.
+    """
+
+    def __init__(self, d: int, raises: bool, found: Any, sigma: float, shock: float) -> None:
+        super().__init__(d, found, d + 2 + raises)
+        N = self.alpha.size
+        self.sigma, self.shock = sigma or None, shock or None
+        self.state, self.z = np.zeros((d + 5, N)), np.zeros((d + 2, N))
+        self.link, self.sums = np.zeros((d + 1, N)), np.zeros((d + 2 + raises * (d + 1), N))
+
+    def add(self, part, q, rates, gain):
+        """Add both terms to the rates (M, d + 3) of the owned nodes; q: with a halo of q + 1."""
+        gas = part.laws
+        for i in each(self.alpha.size, vector=True):
+            w = gas_at(part, q, i)
+            self.state[:, i] = w
+            if self.sigma is not None:
+                first, more = gas.first_entropy_variable(w), gas.entropy_variables(w)
+                if part.form.raises:
+                    first = first + part.volume.potential[i] * w[-1]
+                self.z[:, i] = first, *more
+        for k in range(len(part.like)):
+            stride = self.differences.strides[k]
+            if self.shock is not None:
+                self.sums[:] = 0.0
+                self.sense(partial(steepness, part, self.state, k), k, part.patch.ghosted[k])
+                shocks = variable(0.0)
+                for i in each(self.alpha.size):
+                    shocks.value = np.where(self.alpha[i] > 0.0, 1.0, shocks.value)
+                with when(shocks.value > 0.0):
+                    self.link[:] = 0.0
+                    split_pairs(part, self, k, stride)
+                    flow_on(part, self, stride)
+            if self.sigma is not None:
+                self.fill(k, partial(flux, part, self, k))
+            for first, own, n in rows_of(part):
+                for i in each(n, vector=True):
+                    collect(part, self, k, first + i, own + i, rates)
+        return 0.0
+
+
+def steepness(part, state, k, i, stride):
+    """The steepness s of a node along axis k. state: (3 + d and more, N)."""
+    law, like_w = part.laws.law, (*part.like, 0.0, 0.0, 0.0)
+    a = area(part, k, i)
+    below, above = (column(like_w, state, n) for n in (i - stride, i + stride))
+    here = column(like_w, state, i)
+    rise, fall = sub(above, here), sub(here, below)
+    size_of_rho = SMALL * (above[0] + 2.0 * here[0] + below[0])
+    K_above, K, K_below = (law.bulk_modulus(w[0], w[2]) for w in (above, here, below))
+    size_of_p = SMALL * (K_above + 2.0 * K + K_below)
+    s = np.maximum(bend(rise[0], fall[0], size_of_rho), bend(rise[1], fall[1], size_of_p))
+    size = 2.0 * np.sqrt(law.sound_speed_squared(here[0], here[2]) * dot(a, a))
+    before, behind = (np.minimum(0.0, dot(a, change[3:])) for change in (rise, fall))
+    return np.maximum(s, bend(before, behind, size))
+
+
+def bend(rise, fall, size):
+    """Return s from d_+ and d_-; 0 where both are 0."""
+    return abs(rise - fall) / (abs(rise) + abs(fall) + size + 1e-300)
+
+
+def flux(part, damp, k, i, l, r, stride, norm):
+    """Return F of the difference along axis k that begins at node i."""
+    gas, raises, potential = part.laws, part.form.raises, part.volume.potential
+    like_z = (*part.like, 0.0, 0.0)
+    weights = damp.differences.weights
+    change = difference(lambda m: column(like_z, damp.z, m), i, stride, weights)
+    level = 0.5 * (potential[l] + potential[r]) if raises else 0.0
+    change = (change[0] + level * change[-1], *change[1:])
+    middle = mean(column(like_z, damp.z, l), column(like_z, damp.z, r))
+    T = -1.0 / middle[-1]
+    w = gas.state(0.5 * (damp.state[0, l] + damp.state[0, r]), scale(T, middle[1:-1]), T)
+    (a_l, v_l), (a_r, v_r) = ((area(part, k, n), moving(part, n)) for n in (l, r))
+    speed = gas.fastest(w, mean(a_l, a_r), 0.5 * (dot(a_l, v_l) + dot(a_r, v_r)))
+    if damp.shock is not None:
+        speed = (1.0 - damp.largest(i, stride)) * speed
+    dU = gas.densities_of_change(w, change)
+    eta = gas.size_of_change(w, change, dU)
+    F = scale(damp.sigma / 4.0**damp.order * norm * speed / (1.0 + eta), dU)
+    F = (*F, level * F[0]) if raises else F
+    return choose(norm > 0.0, F, (0.0,) * len(F))
+
+
+def collect(part, damp, k, node, own, rates):
+    """Add sums and H^-1 Delta^T F to rates of an owned node."""
+    d, raises, power = len(part.like), part.form.raises, 0.0
+    per_weight, sums = damp.differences.per_weight[k, node], (0.0,) * (d + 2 + raises * (d + 1))
+    if damp.shock is not None:
+        sums = column(sums, damp.sums, node)
+    more = sums[: d + 2]
+    if damp.sigma is not None:
+        F = damp.back(d + 2 + raises, k, node)
+        more = sub(more, F[: d + 2])
+        if raises:
+            power = part.volume.potential[node] * F[0] - F[-1]
+    if raises:
+        collect_force(part, sums, per_weight, power, own)
+    rates[own, 1:] = along(row(more, rates, own, 1), per_weight, more)
+
+
+def split_pairs(part, damp, k, stride):
+    """Take alpha of its flux from each pair; add to areas and volume fluxes of its links."""
+    gas, form, potential, S = part.laws, part.form, part.volume.potential, part.S[k]
+    like_w, like_v = (0.0,) * (len(part.like) + 5), gas.of_grid(part.like)
+    length, grid = part.patch.ghosted[k], len(part.like) ** 2
+    for i in each(damp.alpha.size):
+        place, alpha = i // stride % length, variable(damp.alpha[i])
+        for m in each(1, np.minimum(part.axes[k, 0] + 1, length - place)):
+            j = i + m * stride
+            alpha.value = np.maximum(alpha.value, damp.alpha[j])
+            with when((alpha.value > 0.0) & (S[m, place] != 0.0)):
+                weight = alpha.value * S[m, place]
+                l, r = column(like_w, damp.state, i), column(like_w, damp.state, j)
+                a_l, a_r = area(part, k, i), area(part, k, j)
+                v_l, v_r = (column(like_v, part.metrics, n, grid) for n in (i, j))
+                g = gas.volume_flux(a_l, v_l, a_r, v_r)
+                rise = potential[j] - potential[i] if form.raises else 0.0
+                below, above = form.pair(gas, l, r, a_l, a_r, g, rise)
+                damp.sums[:, i] = along(column(below, damp.sums, i), weight, below)
+                damp.sums[:, j] = along(column(above, damp.sums, j), -weight, above)
+                more = (*mean(a_l, a_r), g)
+                for n in each(m):
+                    link = i + n * stride
+                    damp.link[:, link] = along(column(more, damp.link, link), weight, more)
+
+
+def flow_on(part, damp, stride):
+    """Add the fluxes through links, with those of Lax and Friedrichs."""
+    gas, form, potential = part.laws, part.form, part.volume.potential
+    like_w, like_link = (0.0,) * (len(part.like) + 5), (*part.like, 0.0)
+    for i in each(damp.alpha.size - stride):
+        link, j = column(like_link, damp.link, i), i + stride
+        a, g = link[:-1], link[-1]
+        with when(dot(link, link) > 0.0):
+            l, r = column(like_w, damp.state, i), column(like_w, damp.state, j)
+            speed = 0.5 * damp.shock * np.maximum(gas.fastest(l, a, g), gas.fastest(r, a, g))
+            rise = potential[j] - potential[i] if form.raises else 0.0
+            both = l, r
+            if form.raises:
+                both = gas.raised(l, 0.5 * rise), gas.raised(r, -0.5 * rise)
+            change = sub(gas.densities(both[1]), gas.densities(both[0]))
+            pair, n = form.pair(gas, l, r, a, a, g, rise), len(change)
+            below, above = ((*along(F[:n], -speed, change), *F[n:]) for F in pair)
+            if form.raises:
+                power = -0.5 * speed * change[0] * rise
+                below, above = (*below, power), (*above, -power)
+            damp.sums[:, i] = sub(column(below, damp.sums, i), below)
+            damp.sums[:, j] = add(column(above, damp.sums, j), above)
+
+
+class SolidDamping(Damping):
+    """A term of a solid, with a and b of F. impedance: sqrt(K m0) [kg/(m2 s)], small: of s [m/s].
+    work: of columns of nodes.
+    """
+
+    def __init__(self, solid: Any, found: Differences, a: float, b: float) -> None:
+        d = len(solid.force)
+        super().__init__(d, found, d + 1)
+        K = solid.law.wave_modulus(solid.tensor(solid.unstrained((0.0,) * d)))
+        self.a, self.b, self.work = a, b, np.zeros(self.alpha.size)
+        self.impedance = float(np.sqrt(K * solid.m0))
+        self.small = float(SMALL_OF_SOLID * np.sqrt(K / solid.m0))
+
+    def add(self, part, q, rates, gain):
+        """Add this term to the rates (M, 2d + 1) of the owned nodes; q (N, 2d + 1): with a halo of
+        q + 1 nodes at least. Returns its work if that is booked.
+        """
+        d, columns, total = len(part.like), part.patch.own[0], variable(0.0)
+        self.work[:columns] = 0.0
+        for k in range(d):
+            with when(self.b != 0.0):
+                self.sense(partial(bent, part, q, self.small), k, part.patch.ghosted[k])
+            self.fill(k, partial(drag, part, self, q, k))
+            for node, own, n in rows_of(part):
+                for i in each(n, vector=True):
+                    force, power, heat = slowed(part, self, q, k, node + i)
+                    for c, value in enumerate((*force, power + heat), d):
+                        rates[own + i, c] += value
+                    if part.loses:
+                        self.work[i] += part.masses[own + i] * power
+        if part.loses:
+            for i in each(columns):
+                total.value += self.work[i]
+        return total.value
+
+
+def bent(part, q, small, i, stride):
+    """The steepness s of a node of a solid; small: in its denominator."""
+    nodes = i - stride, i, i + stride
+    below, here, above = (row(part.like, q, n, len(part.like)) for n in nodes)
+    rise, fall = sub(above, here), sub(here, below)
+    turn = sub(rise, fall)
+    return length(turn) / (length(rise) + length(fall) + small)
+
+
+def length(a):
+    return np.sqrt(dot(a, a))
+
+
+def drag(part, term, q, k, i, l, r, stride, norm):
+    """Return F and F . Delta v of the difference along axis k that begins at node i."""
+    A, weights = mean(area(part, k, l), area(part, k, r)), term.differences.weights
+    change = difference(lambda n: row(A, q, n, len(A)), i, stride, weights)
+    speed = (term.a + term.b * term.largest(i, stride)) * norm * term.impedance
+    F = scale(speed * length(A), change)
+    return *F, dot(F, change)
+
+
+def slowed(part, term, q, k, node):
+    """What differences along axis k give to the rates of a node of a solid: of velocity, and of
+    energy by the power of these and by heat.
+    """
+    d, order, stride = len(part.like), term.order, term.differences.strides[k]
+    per_mass = term.differences.per_weight[k, node]
+    per_mass = per_mass / (part.metrics[d * d, node] * part.laws.m0)
+    force, here = scale(-per_mass, term.back(d, k, node)), term.F.shape[1] - term.alpha.size + node
+    loss = [term.F[d, here - j * stride] for j in (order // 2, (order + 1) // 2)]
+    heat = 0.5 * per_mass * (loss[0] + loss[1])
+    return force, dot(row(part.like, q, node, d), force), heat

@@ -1,0 +1,177 @@
+"""Terms of a gas: which flux two nodes exchange, a constant force, what acts around an axis.
+
+A constant force b, such as gravity, acts node by node or pair by pair. Node by node, J rho b and
+its power are added to the rates. A gas at rest then stays so to the order of the scheme only, and
+small motions may grow. With the two-point fluxes that conserve entropy, the force comes from its
+potential Phi = - b . x, pair by pair (fsipetsc.equations.gas). Then a gas of uniform temperature
+stays at rest to round-off, and on a grid at rest energy plus rho Phi is kept.
+
+Dissipation (fsipetsc.scheme.dissipation) must not disturb that rest, and mass that diffuses in
+the potential does work. The energy with rho Phi has the entropy variables
+
+    z~ = ((h - |u|^2/2 + Phi)/T - s, u/T, -1/T),
+
+all of which are constant in a gas at rest. With Phi_m in the middle of a difference, Delta z in
+F = sigma/4^q lambda U_z Delta z is replaced by
+
+    c = (Delta (z_1 + (Phi - Phi_m)/T), Delta u/T, Delta -1/T),
+
+and a node i gets - (F_rho, F_m, F_E + (Phi_m - Phi_i) F_rho). So the energy with rho Phi is kept,
+and entropy grows by c . U_z c > 0.
+
+At shocks the link from m to m + 1 exerts the force {a} rho^ (Phi_m+1 - Phi_m)/2 of its areas on
+both nodes, as a pair does, so rest is kept whatever alpha is. The flux of Lax and Friedrichs takes
+the states of both nodes, moved in the force to their mean potential at their own temperatures,
+which are equal in a gas at rest. Their entropy variables differ by c, so c . (U*_m+1 - U*_m) > 0.
+
+Around an axis (kappa = 1) or a centre (2) fluxes through the areas a^k = (b^k_1, A b^k_2), A =
+|r|^kappa, leave out what acts around it. With S of fsipetsc.blocks.grid, the momentum along r gets
+
+    (p - tau_o) S,    tau_o = mu (2 e/kappa - 2/3 (div + e)),    e = u_r S/J
+
+where e is the sum of the rates of all hoops, and div = 1/J sum_k a^k . D_k u is found by entropy
+variables. As e is part of the divergence, the flux of momentum through a^k gets -2/3 mu e a^k, and
+that of energy u times as much. Energy has no source. p S is sum_k D_k (a^k p) of a uniform p, so
+rest is kept; what p S does to the entropy cancels what sum_k D_k a^k leaves of the fluxes;
+viscosity makes entropy at each node.
+"""
+
+from typing import Any, NamedTuple
+
+from fsipetsc.equations.vectors import add, add_last, along, dot, scale
+from fsipetsc.kernels.arrays import column
+from fsipetsc.kernels.loops import each
+from fsipetsc.materials.stiffened_gas import PerfectGas, stiffened_gas
+from fsipetsc.scheme.faces import slope_at
+from fsipetsc.scheme.part import area, book, gas_at, ghosted_node
+
+#: laws whose entropy the two-point flux of fsipetsc.equations.gas conserves
+CONSERVED = PerfectGas, stiffened_gas
+
+
+class Form(NamedTuple):
+    """A form of convection: which flux two nodes exchange. entropy: one that conserves entropy,
+    else the mean of the nodes' fluxes, which exists for any law; nothing is known of the entropy
+    then. raises: whether a constant force acts on the gas, which comes from its potential, pair by
+    pair; else it acts node by node.
+    """
+
+    entropy: bool
+    raises: bool
+
+    def pair(self, gas, l, r, a_l, a_r, g, rise, near=False):
+        """Return what one of two nodes loses and what the other gains: their flux and, if it
+        raises, the force. rise: Phi of r less that of l. near: their states are near one another.
+        """
+        if not self.entropy:
+            return (gas.mean_flux(l, r, a_l, a_r, g),) * 2
+        F, force = gas.pair_flux(l, r, a_l, a_r, g, near), ()
+        if self.raises:
+            force = gas.pair_force(l, r, a_l, a_r, rise, near)
+        return (*F, *force), (*F, *scale(-1.0, force))
+
+
+def convection_of(option: str, gas: Any) -> Form:
+    """Return the form that -fsi_convection asks for. auto: the entropy form where its flux
+    conserves the entropy of the gas's law.
+    """
+    entropy = option != "divergence" and isinstance(gas.law, CONSERVED)
+    return Form(entropy, entropy and any(gas.force))
+
+
+def collect_force(part, sums, per_weight, power, own):
+    """Add the force of links, the last of the sums of an owned node, and the power of what diffuses
+    to what is supplied there.
+    """
+    supplied, count = part.volume.supplied, len(part.like) + 1
+    before = tuple(supplied[own * count + c] for c in range(count))
+    for c, force in enumerate(along(before, per_weight, add_last(power, sums[-count:]))):
+        supplied[own * count + c] = force
+
+
+def find_potential(part):
+    """Fill in Phi = - b . x of the nodes of the ghosted array."""
+    potential, places, force = part.volume.potential, part.places, part.laws.force
+    part.grid.find_places(part.X, places)
+    for i in each(potential.size, vector=True):
+        level = 0.0
+        for c, b in enumerate(force):
+            level = level - b * places[c, i]
+        potential[i] = level
+
+
+def add_force(part, q, rates, gain):
+    """Add the force on each owned node and its power to the rates, and to what comes in; pair by
+    pair these are what the sweep and links have summed.
+    """
+    d, supplied, b = len(part.like), part.volume.supplied, part.laws.force
+
+    def pushed(i):
+        """Force and power at a node, per volume of the reference coordinates."""
+        if part.form.raises:
+            *force, power = (supplied[i * (d + 1) + c] for c in range(d + 1))
+            u = [q[i, 2 + c] / q[i, 1] for c in range(d)]
+            for c in range(d):
+                power = power + force[c] * u[c]
+        else:
+            force, power = scale(q[i, 1], b), 0.0
+            for c in range(d):
+                power = power + b[c] * q[i, 2 + c]
+        for c, value in enumerate((*force, power), 2):
+            rates[i, c] += value
+        return *force, power
+
+    gain.work[0] += book(part, gain, pushed)
+    return 0.0
+
+
+def add_radial(part, q, rates):
+    """Add the terms at the head of this file; q: (N, d + 3) ghosted, rates: (M, d + 3).
+
+    part.grid: see fsipetsc.blocks.grid. part.hoops: ((d + 1)^2, N) for u/T and -1/T, and for
+    the viscous fluxes of hoops along each axis; None in a gas without viscosity.
+    """
+    source = part.grid.source
+    for i in each(rates.shape[0]):
+        n = ghosted_node(i, part.patch)
+        rates[i, 1 + len(part.like)] += gas_at(part, q, n)[1] * source[n]
+    if part.hoops is not None:
+        add_viscous(part, q, rates)
+
+
+def add_viscous(part, q, rates):
+    """Add what viscous stresses around the axis do to momentum and energy."""
+    find_hoops(part, q)
+    gas, d, like_z = part.laws, len(part.like), (*part.like, 0.0)
+    source, room = part.grid.source, part.hoops
+    for i in each(rates.shape[0]):
+        n = ghosted_node(i, part.patch)
+        w = gas_at(part, q, n)
+        u, T, spread, fluxes = gas.velocity(w), w[2], 0.0, like_z
+        for k in range(d):
+            a = area(part, k, n)
+            slope, flux = (
+                slope_at(part, n, k, lambda n, first=first: column(like_z, room, n, first), own)
+                for first, own in ((0, -1.0), ((k + 1) * (d + 1), 1.0))
+            )
+            spread, fluxes = spread + dot(a, u) * slope[-1] + dot(a, slope[:-1]), add(fluxes, flux)
+        div, e = T / q[n, 0] * spread, u[-1] * source[n] / q[n, 0]
+        mu = gas.mu * gas.transport.viscosity(T)
+        push = mu * (2.0 * e / len(part.grid.hoops) - 2.0 / 3.0 * (div + e)) * source[n]
+        fluxes = (*fluxes[: d - 1], fluxes[d - 1] - push, fluxes[d])
+        for c in range(d + 1):
+            rates[i, 2 + c] += fluxes[c]
+
+
+def find_hoops(part, q):
+    """Fill the room with entropy variables and with the viscous fluxes of hoops."""
+    gas, d, room = part.laws, len(part.like), part.hoops
+    for n in each(part.grid.source.size, vector=True):
+        w = gas_at(part, q, n)
+        mu = gas.mu * gas.transport.viscosity(w[2])
+        stress = -2.0 / 3.0 * mu * w[2 + d] * part.grid.source[n] / q[n, 0]
+        room[:, n] = gas.entropy_variables(w)
+        for k in range(d):
+            a = area(part, k, n)
+            power = stress * dot(a, gas.velocity(w))
+            room[(k + 1) * (d + 1) :, n] = *scale(stress, a), power
