@@ -11,6 +11,7 @@ from importlib.util import find_spec
 from itertools import count
 from math import log, nan
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,6 +26,8 @@ from fsipetsc.output import drawing
 from fsipetsc.output.reader import Run, open_run
 from fsipetsc.process.together import Comm, together
 
+#: order of the operators -> cells in a length, coarse to fine
+Grids = Mapping[int, Sequence[int]]
 #: how far an observed order may be below what is expected
 SLACK = 0.4
 #: errors, relative ones, that may be round-off
@@ -50,22 +53,11 @@ class Compared(NamedTuple):
         return abs(self.value - self.reference) / size
 
 
-class Expected(NamedTuple):
-    """What theory, or somebody else, says of a quantity, or None: the order of the errors between
-    the two finest grids; the largest error on the finest grid.
-    """
-
-    order: float | None = None
-    error: float | None = None
-
-    def __str__(self) -> str:
-        said = (self.order, "order {:.3g}"), (self.error, "error {:.2g}")
-        return " or ".join(text.format(value) for value, text in said if value is not None)
-
-
 class Row(NamedTuple):
     """A quantity at an order on each grid: errors, or the numbers that are compared; between: or
-    differences of each grid from the next finer one.
+    differences of each grid from the next finer one. What theory, or somebody else, says of it, or
+    None: rate, the order of the errors between the two finest grids; most, the largest error on the
+    finest grid.
     """
 
     entry: str
@@ -73,8 +65,14 @@ class Row(NamedTuple):
     order: int
     spacings: Sequence[float]
     found: Sequence[float | Compared]
-    expected: Expected
+    rate: float | None = None
+    most: float | None = None
     between: bool = False
+
+    @property
+    def expected(self) -> str:
+        said = (self.rate, "order {:.3g}"), (self.most, "error {:.2g}")
+        return " or ".join(text.format(value) for value, text in said if value is not None)
 
     @property
     def errors(self) -> list[float]:
@@ -98,12 +96,12 @@ class Row(NamedTuple):
         """ "converges" with the expected order, "holds" below the expected error, or "falls short"
         of both; differences that are not small fall short in any case.
         """
-        (order, most), error = self.expected, self.errors[-1]
+        error = self.errors[-1]
         if self.between and not error <= RESOLVED:
             return "falls short"
-        if order is not None and self.observed and self.observed[-1] >= order - SLACK:
+        if self.rate is not None and self.observed and self.observed[-1] >= self.rate - SLACK:
             return "converges"
-        return "holds" if most is not None and error <= most else "falls short"
+        return "holds" if self.most is not None and error <= self.most else "falls short"
 
     def lines(self, ranks: int, source: str) -> list[list[object]]:
         """Lines of a CSV file under COLUMNS, one for each grid."""
@@ -118,7 +116,7 @@ class Row(NamedTuple):
         """The words of a table under HEAD."""
         numbers = (self.spacings, ".4g"), (self.errors, ".2e"), (self.observed, ".2f")
         lists = [", ".join(format(v, spec) for v in values) for values, spec in numbers]
-        return self.quantity, str(self.order), *lists, str(self.expected), self.verdict
+        return self.quantity, str(self.order), *lists, self.expected, self.verdict
 
 
 def order_of_differences(ratio: float, first: float, second: float, third: float) -> float:
@@ -162,14 +160,14 @@ class Trial:
     """A case or an entry at an order of the operators, with a grid spacing h. Results go to
     ``folder``.
 
-    found: quantity -> (an error, or the number that is compared; what is expected if this is the
-    finest grid).
+    found: quantity -> (an error, or the number that is compared; rate and most of its Row if this
+    is the finest grid).
     """
 
     def __init__(self, comm: Comm, folder: Path, order: int, h: float) -> None:
         self.comm, self.order, self.h = comm, order, h
         self.paths = (str(folder / f"{order}-{h!r}-{k}.h5") for k in count())
-        self.found: dict[str, tuple[float | Compared, Expected]] = {}
+        self.found: dict[str, tuple[float | Compared, Any, Any]] = {}
 
     def solve(self, what: Any, end: float | None = None, **options: Any) -> Run:
         """Run a case, or a problem, to its end or to another time, and return its result. Too many
@@ -210,36 +208,27 @@ class Trial:
     def check(
         self, quantity: str, found: Any, order: Any = None, error: Any = None, power: int = 0
     ) -> None:
-        """Note a quantity, and the order and the error that are expected (see Expected). found: a
-        number that is compared, or errors, whose norm counts: the largest, or that of the mean of
-        |error|^power.
+        """Note a quantity, and the order and the error that are expected. found: a number that is
+        compared, or errors, whose norm counts: the largest, or that of the mean of |error|^power.
         """
         if not isinstance(found, Compared):
             size = np.abs(found)
             found = float(np.mean(size**power) ** (1 / power) if power else size.max())
-        self.found[quantity] = found, Expected(order, error)
+        self.found[quantity] = found, order, error
 
 
-class Entry(NamedTuple):
-    """The function of an entry, and the grids of the two levels: order of the operators -> cells in
-    a length [m], coarse to fine.
-    """
-
-    measure: Callable[[Trial], None]
-    quick: Mapping[int, Sequence[int]]
-    full: Mapping[int, Sequence[int]]
-    length: float = 1.0
+#: all entries by name, in the order of the table, once their files are imported: the function, the
+#: length [m] of which grids have so many cells, and the grids of the two levels, order of the
+#: operators -> cells, coarse to fine
+ENTRIES: dict[str, SimpleNamespace] = {}
 
 
-#: all entries by name, in the order of the table, once their files are imported
-ENTRIES: dict[str, Entry] = {}
-
-
-def entry(*grids: Mapping[int, Sequence[int]], length: float = 1.0) -> Callable[[Any], Any]:
+def entry(quick: Grids, full: Grids, length: float = 1.0) -> Callable[[Any], Any]:
     """Make a function of a Trial an entry of its own name; problems/NAME.md says the rest."""
 
     def registered(measure: Any) -> Any:
-        ENTRIES[measure.__name__] = Entry(measure, *grids, length)
+        grids = {"quick": quick, "full": full}
+        ENTRIES[measure.__name__] = SimpleNamespace(measure=measure, length=length, **grids)
         return measure
 
     return registered
