@@ -20,7 +20,7 @@ LINES = [
     ("info", 2, "RUN.h5 is missing"),
     ("plot a.h5 -o", 2, "-o needs a value…plot RUN.h5 [-o DIR"),
     ("modes rod", 2, "the blocks are not in a steady state"),
-    ("modes heat -modes_near 0", 2, "-modes_near 0, -modes_count 10: no modes"),
+    ("modes heat -modes_near 0", 2, "bad value '0' for -modes_near"),
     ("verify turek", 2, "there is no entry 'turek': expected vortex"),
     ("geometry", 2, "geometry: CASE is missing: python -m fsipetsc geometry CASE"),
     # options

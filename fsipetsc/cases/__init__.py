@@ -1,12 +1,9 @@
 """The built-in cases and the loading of users' own case files.
 
-A case is a module, or what ``case`` makes, with
-  NAME      str, names the result file, so no / in it   (if it is missing, the file's name)
-  SUMMARY   str, one line                               (… empty)
-  OPTIONS   tuple of fsipetsc.options.Option: materials, geometry
-  DEFAULTS  dict, name of an option -> default that replaces the common one   (… empty)
-  build     function of the options in force (name -> value) that returns a
-            fsipetsc.problem.Problem or fsipetsc.blocks.block_problem.BlockProblem
+A case is a module, or what ``case`` makes. It has OPTIONS, a tuple of Option, and build, a function
+of the options in force (name -> value) that returns a Problem or a BlockProblem. It may have NAME,
+that of the result file, SUMMARY, one line, and DEFAULTS, name of an option -> default that replaces
+the common one.
 """
 
 import importlib

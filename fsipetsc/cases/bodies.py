@@ -207,9 +207,7 @@ def fin(opt: Opt) -> BlockProblem:
     """A shock hits a steel panel that stands on the floor of a shock tube, its foot clamped.
 
     Data are those of J. Giordano et al., Shock Waves 14 (2005) 103-110: air at 101 kPa and 1.2
-    kg/m3, a panel of 1 x 50 mm in a channel of 65 x 300 mm, its end 250 mm behind the panel. Three
-    blocks are beside each other up to the panel's tip, and three above it. X and x of the tip are
-    in the series of the result: points at (0.051, 0.05).
+    kg/m3, a panel of 1 x 50 mm in a channel of 65 x 300 mm, its end 250 mm behind the panel.
     """
     length, height = opt["fin_length"], 0.065
     air, ahead = Fluid(0.0, 0.0, 1.4, 287.0), GasState(1.2, 0.0, 101e3)

@@ -57,13 +57,10 @@ def panel(opt: Opt) -> BlockProblem:
     """Supersonic flow over an elastic panel that is set into a wall: panel flutter.
 
     Gas flows along y = 0 at the Mach number M; between x = 0 and 1 the wall is a panel, behind
-    which a cavity has the pressure of the flow. The stiffness follows from L = 1 and
-
-        lambda = 2 q L^3 / (D sqrt(M^2 - 1)),    q = rho M^2/2,
-        D = h^3/12 . 4 mu_e (lambda_e + mu_e) / (lambda_e + 2 mu_e)       (plane strain)
-
-    (docs/gallery.md has the theory). A hinge holds the middle of an end face. Units are those of
-    the speed of sound and the density of the flow.
+    which a cavity has the pressure of the flow. In plane strain lambda = 2 q / (D sqrt(M^2 - 1)), q
+    = M^2/2, has D = h^3/12 . 4 mu_e (lambda_e + mu_e) / (lambda_e + 2 mu_e) (docs/gallery.md). A
+    hinge holds the middle of an end face. Units are those of the speed of sound and the density of
+    the flow.
     """
     M, h, hinged = opt["panel_mach"], opt["panel_thickness"], opt["panel_ends"] == "hinged"
     height, beta = opt["panel_height"], float(np.sqrt(M * M - 1.0))
@@ -72,8 +69,7 @@ def panel(opt: Opt) -> BlockProblem:
     p = 1.0 / GAMMA
     gas, flow = Fluid(0.0, 0.0, GAMMA, p), common.constant(1.0, M, 0.0, 1.0)
     stiffness = M * M / (opt["panel_lambda"] * beta)
-    # 12 D/h^3 = 4 mu (lambda + mu) / (lambda + 2 mu), which is 3 mu for lambda = 2 mu
-    mu_e = 12.0 * stiffness / h**3 / 3.0
+    mu_e = 12.0 * stiffness / h**3 / 3.0  # for lambda_e = 2 mu_e
     across = max(8, OPERATORS[opt["fsi_order"]].min_points // 2 * 2)  # even: hinges
     panel = ElasticSolid(mu_e, 2.0 * mu_e, 0.0, opt["panel_mass"] / h, 1.0, p, heat="elastic")
 

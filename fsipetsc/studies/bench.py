@@ -35,10 +35,7 @@ FORMS = {
     "divergence-viscous": ("divergence", True, "-form div -visc 1"),
 }
 COLUMNS = "problem order form n ranks step_us ns_node_rhs other_us ratio speed_up".split()
-#: in the words of a program, where the number of steps stands
-STEPS = "STEPS"
 _WHAT = "0: the rod; 1, 2, 3: gas | solid in that number of dimensions"
-_ROD, _PLANE = (f"folder of another program {of}" for of in ("for the rod", "for gas | solid, 2-D"))
 SECTIONS = {"Benchmark": (
     Option("bench_problems", "ints", (0, 1, 2, 3), "", _WHAT, check=listed_in((0, 1, 2, 3))),
     Option("bench_orders", "ints", (4,), "", "operators' orders", check=listed_in((2, 4, 6, 8))),
@@ -50,8 +47,8 @@ SECTIONS = {"Benchmark": (
     Option("bench_ranks", "ints", None, "", "numbers of ranks; else 1, 2, 4 …", check="positive"),
     Option("bench_seconds", float, 0.2, "s", "approximate length of a sample", check="positive"),
     Option("bench_repeats", int, 5, "", "samples; their median counts", check="positive"),
-    Option("bench_rod_program", str, None, "", _ROD),
-    Option("bench_square_program", str, None, "", _PLANE),
+    Option("bench_rod_program", str, None, "", "folder of another program"),
+    Option("bench_square_program", str, None, "", "the same for gas | solid, 2-D"),
     Option("fsi_output", str, "bench", "", "base name of the table NAME.csv"),
     *(option for option in RUN if option.name in ("fsi_quiet", "fsi_partition")),
 )}  # fmt: skip
@@ -95,13 +92,13 @@ def targets(opt: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
         for points in opt["bench_rod"] if problem == 0 else ():
             h = 1.0 / max(1, round(points / 6))
             own = {"fsi_order": order, "fsi_h": h, "fsi_coupling": "projection"}  # the paper's
-            program = Path(rod or "", "rod").resolve(), order, repr(h), 3, "-q", "-n", STEPS
+            program = Path(rod or "", "rod").resolve(), order, repr(h), 3, "-q", "-n", None
             yield ("rod", order, "", points), load_case("rod"), own, program if rod else ()
         for form, n in product(forms, opt[of_dimension[problem]]) if problem else ():
             convection, viscous, more = FORMS[form]
             case = case_of(square(problem, n, viscous), fsi_h=1.0 / n, ts_max_time=1.0)
             own, there = {"fsi_order": order, "fsi_convection": convection}, plane and problem == 2
-            program = Path(plane or "", "plane").resolve(), order, n, n, STEPS, "-q", *more.split()
+            program = Path(plane or "", "plane").resolve(), order, n, n, None, "-q", *more.split()
             yield (f"{problem}-D", order, form, n), case, own, program if there else ()
 
 
@@ -185,8 +182,8 @@ def step_time(state: Any, opt: Mapping[str, Any], count: int) -> float:
 
 
 def time_of(program: Sequence[object], steps: int) -> float:
-    """Time of a step [µs] by another program. InputError."""
-    words = [str(steps if word == STEPS else word) for word in program]
+    """Time of a step [µs] by another program; None: the number of steps. InputError."""
+    words = [str(steps if word is None else word) for word in program]
     try:
         said = subprocess.run(words, capture_output=True, text=True, check=True).stdout.split()
         return float(said[said.index("median") + 1] if "median" in said else said[4])

@@ -1,5 +1,4 @@
-"""The scheme's own right-hand side, linearised about a steady state: derivatives, modes of blocks,
-and the step of RK4.
+"""The scheme's own right-hand side, linearised about a steady state.
 
 The conditions make P q of the unknowns q, and L q are the rates of that. What may be disturbed is
 what P lets through, and P L acts on it: its eigenvalues are those of the modes.
@@ -20,7 +19,6 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.linalg import orth
 from scipy.optimize import brentq
-from scipy.sparse.csgraph import structural_rank
 from scipy.sparse.linalg import LinearOperator, eigs, splu
 
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
@@ -36,9 +34,9 @@ NUDGE, TINY = 0.005, 2.0**-18
 FARTHEST, ROUND_OFF = 3.2, 1e-12
 #: what moves by less than this part of the rate of a mode is at rest
 AT_REST = 1e-9
-#: how much a mode swings at least, over the largest |lambda|, and how rough it may be, the squares
-#: of the differences of neighbours over those of the values: central differences do not see what
-#: alternates from node to node (4), and give it the frequency of a long wave; 1: waves of 6 nodes
+#: how much a mode swings at least, over the largest |lambda|; how rough it may be, the squares of
+#: the differences of neighbours over those of the values, 1 for waves of 6 nodes: central
+#: differences give what alternates from node to node the frequency of a long wave
 SWINGING, ROUGH = 1e-6, 1.0
 
 
@@ -134,8 +132,8 @@ def column_modes(state: BlockState, axis: int, n: int) -> tuple[Complex, list[Co
 
 
 def modes_near(state: BlockState, s: complex, count: int = 1) -> Complex:
-    """Eigenvalues [1/s] next to s, but those of what is at rest and stays so: the largest of A (A -
-    s)^-2, so many, or all but 2. InputError where the state is not steady or none are found.
+    """Eigenvalues [1/s] next to s != 0, but those of what is at rest and stays so: the largest of A
+    (A - s)^-2, so many, or all but 2. InputError where the state is not steady or none are found.
     """
     state.set_initial()
     n, y = state.layout.local_size - state.layout.auxiliary, state.solution.array.copy()
@@ -148,14 +146,12 @@ def modes_near(state: BlockState, s: complex, count: int = 1) -> Complex:
         raise InputError("the blocks are not in a steady state at first")
     A = (projection @ rates).astype(complex).tocsc()
     try:
-        if s == 0 and structural_rank(A) < n:
-            raise RuntimeError("what is at rest stays so")  # SuperLU would print many lines first
         solve = splu(A - s * sparse.eye(n, format="csc")).solve
         inverse = LinearOperator((n, n), lambda v: solve(A @ solve(v)), dtype=complex)
         vectors = eigs(inverse, min(count, n - 2), v0=np.ones(n, complex))[1]
     except (RuntimeError, TypeError) as error:  # singular, without convergence, of 2 unknowns
-        known = f"-modes_near {abs(s):g}, -modes_count {count}: no modes found of {n} unknowns"
-        raise InputError(f"{known} ({error}); another frequency may help") from error
+        known = f"-modes_near {abs(s):g}, -modes_count {count}: no modes found ({error})"
+        raise InputError(f"{known}; another frequency may help") from error
     return np.array([np.vdot(v, A @ v) / np.vdot(v, v) for v in vectors.T])
 
 

@@ -19,7 +19,7 @@ _NEXT = "real angular frequency to be near; ring, shell: the slowest"
 OPTIONS = (
     Option("ring_angular", int, 2, "", "waves around a ring", check="nonnegative"),
     Option("modes_count", int, 10, "", "how many modes, slowest first", check="positive"),
-    Option("modes_near", float, 1.0, "1/s", _NEXT),
+    Option("modes_near", float, 1.0, "1/s", _NEXT, check="positive"),
 )
 #: case -> options that keep it in a steady state
 STEADY = {

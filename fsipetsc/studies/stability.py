@@ -2,13 +2,11 @@
 
 The solver's own right-hand side is linearised about a solid beside a gas at rest, whose density,
 temperature and pressure are 1. Disturbances obey (4.2), of (rho, u, T) in the gas and (u, e, T) in
-the solid, e = S/K^ the strain. S = sigma - x_X' dp_s/dx_X stands for stress and strain, which act
-as this sum alone: with x_t = u it obeys S_t = K^ u_X, K^ = K + p_s. With the conservative coupling
-the unknown is the displacement, and e its derivative.
-
-The energy E = h sum_j a_j (W q^2)_j has the weights of fsipetsc.paper.coupling. In it the equations
-are symmetric but for a part of alpha m0 T_t = ... + sigma^ u_X: the heat that a stress sigma^ != 0
-sets free, which is left out.
+the solid. The strain is e = S/K^, where K^ = K + p_s and S = sigma - x_X' dp_s/dx_X stands for
+stress and strain, which act as this sum alone. With the conservative coupling the unknown is the
+displacement, and e its derivative. The heat that a stress sigma^ != 0 sets free in alpha m0 T_t =
+... + sigma^ u_X is left out: without it the equations are symmetric in the energy E = h sum_j a_j
+(W q^2)_j, which has the weights of fsipetsc.paper.coupling.
 
 Layers are longer than the n points next to the interface that are disturbed, and rates are
 projected on these, orthogonally in E. So outer ends neither add nor take energy.

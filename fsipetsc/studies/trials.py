@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 
 from fsipetsc.cases import case_of, load_case
 from fsipetsc.checks import Array
-from fsipetsc.errors import RanksError
+from fsipetsc.errors import ComputationError, RanksError
 from fsipetsc.options import defaults
 from fsipetsc.output import drawing
 from fsipetsc.output.reader import Run, open_run
@@ -171,9 +171,9 @@ class Trial:
 
     def solve(self, what: Any, end: float | None = None, **options: Any) -> Run:
         """Run a case, or a problem, to its end or to another time, and return its result. Too many
-        ranks: the first of them run it. Collective; FsiError.
+        ranks: the first of them run it. Collective; FsiError; ComputationError names the grid.
         """
-        from fsipetsc.stepping.run import run_case
+        from fsipetsc.stepping.run import REMAINS, run_case
 
         case = load_case(what) if isinstance(what, str) else what
         case = case if hasattr(case, "build") else case_of(case)
@@ -187,7 +187,11 @@ class Trial:
             ranks = self.comm.Split(int(not here), self.comm.rank)
             action = partial(run_case, case, opt, ranks) if here else lambda: None
             with suppress(*[RanksError] * (size > 1)):
-                together(self.comm, action, asleep=True)
+                try:
+                    together(self.comm, action, asleep=True)
+                except ComputationError as error:  # what it computed is removed with the others
+                    told = str(error).partition(REMAINS)[0]
+                    raise ComputationError(f"order {self.order}, h = {self.h:g}: {told}") from None
                 break
         return together(self.comm, partial(open_run, opt["fsi_output"]))
 
