@@ -1,1 +1,0 @@
-"""Cases with exact solutions and their references, which come from independent programs."""
