@@ -95,14 +95,12 @@ def rows_of(case: str, trial: Trial, opt: Any, exact: bool, runs: dict[float, Ru
     """The rows of an order: quantities are KIND/NAME or LAYER/NAME. InputError where grids have no
     node in common.
     """
-    found: dict[str, list[float]] = {}
-    for run in runs.values() if exact else ():
-        for kind, errors in run.errors.items():
-            for name, error in errors.items():
-                found.setdefault(f"{kind}/{name}", []).append(error)
-    if not exact and len(runs) > 1:
-        found = differences([*runs.values()], opt["fsi_norm"])
-    part = {"L1": 1.0, "L2": 0.5}[opt["fsi_norm"]]
+    every, norm = [*runs.values()], opt["fsi_norm"]
+    names = [(kind, name) for kind, of in every[0].errors.items() for name in of]
+    found = {f"{kind}/{name}": [run.errors[kind][name] for run in every] for kind, name in names}
+    if not exact:
+        found = differences(every, norm)
+    part = {"L1": 1.0, "L2": 0.5}[norm]
     # closures err by order s at a fixed number of nodes
     rate = trial.kinked(part) if opt["fsi_shock"] > 0.0 else trial.order // 2 + part
     how = rate, None if exact else trials.ROUND_OFF, not exact

@@ -141,8 +141,6 @@ def picture(title: str, panels: Mapping[str, Mapping[str, Row]], path: Path) -> 
         figure = Figure(figsize=(2.0 + 5.0 * columns, 4.2 * lines), layout="constrained")
         places = drawing.panels(figure, len(panels), columns)
         for axes, (heading, rows) in zip(places, panels.items(), strict=True):
-            colors = "tab10" if len(rows) <= 10 else "tab20"
-            axes.set_prop_cycle(color=matplotlib.colormaps[colors].colors)
             for label, row in rows.items():
                 # a logarithmic axis has no place for 0
                 errors = np.where(np.array(row.errors) > 0.0, row.errors, np.nan)
