@@ -62,8 +62,7 @@ def derivatives(state: Any, directions: Iterable[tuple[Any, Any]], order: int = 
 
 def step_limit(spectrum: Complex) -> float:
     """The largest dt [s] for which RK4 amplifies none of these modes; one that grows counts with
-    its frequency alone. In a step a mode is multiplied by R(z) = 1 + z + z^2/2 + z^3/6 + z^4/24 at
-    z = dt lambda; along each ray of Re z <= 0 |R| <= 1 holds up to one point.
+    its frequency alone. Along each ray of Re z <= 0, z = dt lambda, |R| <= 1 up to one point.
     """
     radius = float(np.abs(spectrum).max())
     modes = (np.minimum(spectrum.real, 0.0) + 1j * spectrum.imag) / radius

@@ -2,14 +2,12 @@
 (fsipetsc.studies.linear); beside them exact ones where references have them.
 """
 
-from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from fsipetsc.cases import case_after, options_after
-from fsipetsc.checks import Array
 from fsipetsc.options import Option
 from fsipetsc.process.together import Comm, together
 from fsipetsc.studies.tables import Study
@@ -27,12 +25,12 @@ STEADY = {
     "shell": {"shell_charge": 0.0, "fsi_shock": 0.0},
     "panel": {"panel_push": 0.0},
 }
-#: options of a case beside those of STEADY, else as by default, and the column of the reference
+#: options of a case, whose others are those of STEADY or defaults, and the column of the reference
 EXACT = (
-    ("ring", {"ring_gas": True, "ring_angular": 2}, "ring"),
-    ("ring", {"ring_gas": False, "ring_angular": 2}, "ring in vacuum"),
-    ("shell", {"shell_gas": "centre", "shell_kappa": 1}, "cylinder"),
-    ("shell", {"shell_gas": "centre", "shell_kappa": 2}, "sphere"),
+    ({"ring_gas": True, "ring_angular": 2}, "ring"),
+    ({"ring_gas": False, "ring_angular": 2}, "ring in vacuum"),
+    ({"shell_gas": "centre", "shell_kappa": 1}, "cylinder"),
+    ({"shell_gas": "centre", "shell_kappa": 2}, "sphere"),
 )
 #: how far from an exact frequency one of the scheme is taken for it, over its size
 NEAR = 0.03
@@ -55,7 +53,10 @@ def modes(arguments: list[str], comm: Comm) -> None:
     opt = {**study.opt, **STEADY.get(name, {})}
     order, count, n = opt["fsi_order"], opt["modes_count"], opt["ring_angular"] * (name == "ring")
     how = build_problem(case, opt, comm), order
-    known = exact_modes(name, case, opt)
+    usual = {o.name: o.default for o in case.OPTIONS if o.name != "ring_around"}
+    usual |= STEADY.get(name, {})
+    columns = [column for own, column in EXACT if {**usual, **own}.items() <= opt.items()]
+    known = [omega for of in columns for omega in reference("normal_modes")[f"{of} imag"]]
 
     def found() -> Any:
         if name in ("ring", "shell"):
@@ -73,14 +74,3 @@ def modes(arguments: list[str], comm: Comm) -> None:
     of = f", angular number {n}" if name == "ring" else ""
     study.say(f"modes of {case.NAME}{of}, order {order}, h = {opt['fsi_h']:g}: exp(-i omega t)")
     study.table(("index", "omega_re", "omega_im", "exact", "error"), rows, ".12g")
-
-
-def exact_modes(name: str, case: Any, opt: Mapping[str, Any]) -> Array:
-    """Angular frequencies [1/s] of the slowest modes of a ring or shell of the default materials;
-    none where no reference has them."""
-    usual = {o.name: o.default for o in case.OPTIONS if o.name != "ring_around"}
-    for of, own, column in EXACT:
-        same = {**usual, **STEADY.get(name, {}), **own}.items() <= opt.items()
-        if of == name and same:
-            return reference("normal_modes")[f"{column} imag"]
-    return np.array([])

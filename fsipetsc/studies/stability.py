@@ -68,12 +68,11 @@ def stability(arguments: list[str], comm: Comm) -> None:
     study = Study(comm, arguments, SECTIONS)
     opt, coupling = study.opt, study.opt["fsi_coupling"]
     grid = opt["stability_points"], opt["fsi_h"]
+    balance = 1.0 / opt["solid_alpha"] if opt["solid_eos"] == "ideal" else 0.0
 
     def one(order: int, density: float, stiffness: float) -> Result:
-        balance = 1.0 / opt["solid_alpha"] if opt["solid_eos"] == "ideal" else 0.0
-        numbers = stiffness, opt["solid_kappa"], density, opt["solid_alpha"] / density
-        solid = Solid(*numbers, 0.0, balance)
-        return measure(gas_of(opt), solid, order, *grid, coupling, opt["fsi_viscous"])
+        numbers = stiffness, opt["solid_kappa"], density, opt["solid_alpha"] / density, 0.0, balance
+        return measure(gas_of(opt), Solid(*numbers), order, *grid, coupling, opt["fsi_viscous"])
 
     tasks = product(opt["fsi_orders"], opt["density_ratios"], opt["stiffness_ratios"])
     results = comm.bcast(study.on_first(lambda: [one(*task) for task in tasks]))

@@ -30,10 +30,9 @@ from fsipetsc.process.together import Comm, together
 Grids = Mapping[int, Sequence[int]]
 #: how far an observed order may be below what is expected
 SLACK = 0.4
-#: errors, relative ones, that may be round-off
-ROUND_OFF = 1e-12
-#: relative differences of grids that resolve a solution are smaller
-RESOLVED = 0.1
+#: relative errors that may be round-off; relative differences of grids that resolve a solution are
+#: smaller than the other
+ROUND_OFF, RESOLVED = 1e-12, 0.1
 #: columns of a table of rows, and of their CSV file
 HEAD = ("quantity", "order", "grid spacings", "errors", "observed orders", "expected", "verdict")
 COLUMNS = "case quantity order h ranks value reference source error rate verdict".split()

@@ -50,7 +50,16 @@ def verify(arguments: list[str], comm: Comm) -> None:
         (title, *_), (*_, about) = problem(name).split("\n", 1), problem(name).split("\n\n")
         study.say(f"{title[2:]} ({name})\n{about.rstrip()}")
         source = " ".join(about.split()).removeprefix("Reference: ").split(". Expected: ")[0]
-        rows = run_entry(study, name, every[name])
+        entry, rows = every[name], []
+        with study.results_folder() as folder:
+            for order, cells in getattr(entry, study.opt["verify_level"]).items():
+                trials = [Trial(comm, folder, order, entry.length / n) for n in cells]
+                for trial in trials:
+                    entry.measure(trial)
+                spacings = [trial.h for trial in trials]
+                for quantity, (_, *expected) in trials[-1].found.items():
+                    numbers = [trial.found[quantity][0] for trial in trials]
+                    rows.append(Row(name, quantity, order, spacings, numbers, *expected))
         lines += [line for row in rows for line in row.lines(comm.size, source)]
         study.save(COLUMNS, lines)  # and again after each entry
         study.on_first(partial(_show, study, name, title[2:], rows))
@@ -62,21 +71,6 @@ def verify(arguments: list[str], comm: Comm) -> None:
     study.say(f"{said} of {counts.total()} rows; saved {study.path}")
     if short:
         raise ComputationError(f"{short} of {counts.total()} rows fall short of what is expected")
-
-
-def run_entry(study: Study, name: str, entry: Any) -> list[Row]:
-    """Rows of an entry. Collective; FsiError."""
-    rows: list[Row] = []
-    with study.results_folder() as folder:
-        for order, cells in getattr(entry, study.opt["verify_level"]).items():
-            spacings = [entry.length / n for n in cells]
-            trials = [Trial(study.comm, folder, order, h) for h in spacings]
-            for trial in trials:
-                entry.measure(trial)
-            for quantity, (_, *expected) in trials[-1].found.items():
-                numbers = [trial.found[quantity][0] for trial in trials]
-                rows.append(Row(name, quantity, order, spacings, numbers, *expected))
-    return rows
 
 
 def _show(study: Study, name: str, title: str, rows: Sequence[Row]) -> None:
