@@ -20,12 +20,11 @@ import stat
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from functools import cache, wraps
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
 from fsipetsc.errors import FileError, InputError
 
@@ -59,18 +58,8 @@ keeps_text = False
 _loaded: dict[str, ctypes.CDLL] = {}
 
 
-def of_environment(function: Callable[[], Any]) -> Any:
-    """Return the function with a cache: it finds an answer once for each CC and CFLAGS."""
-    cached = cache(lambda compiler, flags: function())
-    found = wraps(function)(lambda: cached(os.environ.get("CC"), os.environ.get("CFLAGS")))
-    found.cache_clear = cached.cache_clear  # type: ignore[attr-defined]
-    return found
-
-
-@of_environment
-def compiler() -> tuple[str, ...]:
-    """Return the command of the C compiler. InputError if there is none."""
-    given = os.environ.get("CC")
+def _compiler(given: str) -> tuple[str, ...]:
+    """Return the command of the C compiler; given: CC. InputError if there is none."""
     if given:
         command = shlex.split(given)
         found = shutil.which(command[0]) if command else None
@@ -85,13 +74,17 @@ def compiler() -> tuple[str, ...]:
     raise InputError(MISSING)
 
 
-@of_environment
-def target() -> tuple[tuple[str, ...], str]:
+def _environment() -> tuple[str, str]:
+    return os.environ.get("CC", ""), os.environ.get("CFLAGS", "")
+
+
+@cache
+def _target(cc: str, cflags: str) -> tuple[tuple[str, ...], str]:
     """Return the command of the compiler with all flags, those of CFLAGS last, and a hash of what
     it depends on: the compiler's version, the instruction set of this machine. InputError for flags
     that would change bits, and without a compiler.
     """
-    command, own = compiler(), shlex.split(os.environ.get("CFLAGS", ""))
+    command, own = _compiler(cc), shlex.split(cflags)
     for name, given in (("CC", command[1:]), ("CFLAGS", own)):
         for flag in given:
             if flag.startswith(REFUSED):
@@ -108,19 +101,19 @@ def target() -> tuple[tuple[str, ...], str]:
 def _processor() -> str:
     """Return a text that tells apart processors with different instruction sets."""
     known = re.search("^(flags|Features).*", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
-    return f"{platform.machine()} {known and known[0]} "
+    return f"{platform.machine()} {known and known[0]}"
 
 
 def name_of(text: str) -> str:
     """The file's name of the library of a text in C. Without a compiler that of the last library
     which was made of it for this processor. InputError if there is none, either.
     """
-    about = _processor() + os.environ.get("CFLAGS", "")
-    begin = _hash(text.encode(), about.encode()).hex()[:32]
+    cc, cflags = _environment()
+    begin = _hash(text.encode(), _processor().encode(), cflags.encode()).hex()[:32]
     try:
-        return f"{begin}-{target()[1]}.so"
+        return f"{begin}-{_target(cc, cflags)[1]}.so"
     except InputError:
-        found = [] if os.environ.get("CC") else [*folder().glob(f"{begin}-*.so")]
+        found = [] if cc else [*folder().glob(f"{begin}-*.so")]
         if not found:
             raise
         return max(found, key=os.path.getmtime).name
@@ -198,7 +191,7 @@ def made(texts: Sequence[str]) -> list[bytes]:
             paths = [os.path.join(place, f"kernels{k}") for k in range(len(texts))]
             for path, text in zip(paths, texts):
                 Path(f"{path}.c").write_text(text)
-            command, _ = target()
+            command, _ = _target(*_environment())
             _run([(*command, f"{p}.c", "-o", f"{p}.so", "-lm") for p in paths], "compiling kernels")
             libraries = [Path(f"{path}.so").read_bytes() for path in paths]
     except OSError as error:
