@@ -11,37 +11,28 @@ result is stored. It is made once, on symbols (fsipetsc.kernels.symbols):
 Procedures (fsipetsc.kernels.procedure) call it, with its arguments by their names, and with others
 that it does not take: ``heat(64, w=row, per_J=…, flux=…)``.
 
-a*b + c is printed as fma(a, b, c) where nothing else takes a*b, and compilers are told to fuse
-nothing else (fsipetsc.kernels.build). So every node has the same bits in a vector and alone, with
-any compiler and instruction set. What depends on parameters alone is computed before the loop.
+a*b + c is printed as fma(a, b, c) where nothing else takes a*b, and compilers fuse nothing else.
+So every node has the same bits in a vector and alone, with any compiler and instruction set. What
+depends on parameters alone is computed before the loop.
 """
 
+import re
 from collections.abc import Callable, Sequence
 from importlib.resources import files
-from typing import Any, NamedTuple
+from typing import Any
 
 from fsipetsc.kernels.halves import without_halves
 from fsipetsc.kernels.recording import Index, Line, index_of, printed, recording
 from fsipetsc.kernels.symbols import Record, Symbol
 
-
-class Layout(NamedTuple):
-    """Where component c of an item i stands in an array, as C has it; given: a number in it that
-    the caller gives.
-    """
-
-    place: str
-    given: str = ""
-
-
-#: rows of a tile: a component after the other, ROW apart, a constant
-ROWS = Layout("{c} * ROW + {i}")
-#: planes of a block: a component after the other, N apart
-PLANES = Layout("{c} * N + {i}", "N")
-#: planes of the nodes that a rank owns, M apart
-OWNED = Layout("{c} * M + {i}", "M")
+# layouts: where component c of an item i stands in an array, as C has it; the caller gives the
+# numbers in them, but for ROW, which is a constant
+#: rows of a tile: a component after the other, ROW apart
+ROWS = "{c} * ROW + {i}"
+#: planes of a block, N apart, and of the nodes that a rank owns, M apart
+PLANES, OWNED = "{c} * N + {i}", "{c} * M + {i}"
 #: numbers that all items share
-SHARED = Layout("{c}")
+SHARED = "{c}"
 
 
 class Kernel:
@@ -59,7 +50,7 @@ class Kernel:
     # what is read
 
     def read(
-        self, array: str, layout: Layout, count: int, first: int = 0, far: tuple[str, int] = ("", 0)
+        self, array: str, layout: str, count: int, first: int = 0, far: tuple[str, int] = ("", 0)
     ) -> tuple[Symbol, ...]:
         """The components ``first`` and so on of an item, or of one that is far from it: an array of
         whole numbers says how far, which one.
@@ -71,7 +62,7 @@ class Kernel:
             self._distances[f"{distances}_{number}"] = f"{distances}[{number}]"
             item = f"(i + {distances}_{number})"
         places = self._places(array, layout, count, first, item)
-        return tuple(self.record.given(place, uniform=layout is SHARED) for place in places)
+        return tuple(self.record.given(place, uniform=layout == SHARED) for place in places)
 
     def number(self, name: str) -> Symbol:
         """A number that all items share."""
@@ -87,14 +78,14 @@ class Kernel:
 
     # what is written
 
-    def store(self, array: str, layout: Layout, values: Sequence[Any], first: int = 0) -> None:
+    def store(self, array: str, layout: str, values: Sequence[Any], first: int = 0) -> None:
         """Store values as the components ``first`` and so on of an item."""
         self._arguments[array] = "double *restrict "
         places = self._places(array, layout, len(values), first, "i")
         stored = (self.record.constant(value) for value in values)
         self._stores += zip((f"{place} =" for place in places), stored)
 
-    def add(self, array: str, layout: Layout, values: Sequence[Any], first: int = 0) -> None:
+    def add(self, array: str, layout: str, values: Sequence[Any], first: int = 0) -> None:
         """Add values to the components ``first`` and so on of an item."""
         before = self.read(array, layout, len(values), first)
         self.store(array, layout, [a + b for a, b in zip(before, values, strict=True)], first)
@@ -104,11 +95,12 @@ class Kernel:
         self.counted = self.record.constant(condition)
         self._stores.append(("counted +=", self.counted))
 
-    def _places(self, array: str, layout: Layout, count: int, first: int, i: str) -> list[str]:
-        if layout.given:
-            self._arguments[layout.given] = "long "
+    def _places(self, array: str, layout: str, count: int, first: int, i: str) -> list[str]:
+        for step in re.findall(r"\* ([A-Za-z]\w*)", layout):
+            if step != "ROW":
+                self._arguments[step] = "long "
         every = range(first, first + count)
-        return [f"{array}[{layout.place.format(c=c, i=i)}]" for c in every]
+        return [f"{array}[{layout.format(c=c, i=i)}]" for c in every]
 
     # in procedures
 

@@ -6,21 +6,13 @@ are recorded as in a kernel. Whole numbers that are known only later, as sizes a
 arrays, are an Index. Bools, None and the lengths of tuples are known when a procedure is
 recorded: ``if`` and ``range`` of them are plain Python, and decide what is printed. So it is with
 dataclasses, which hold facts: their numbers become constants of the text.
-
-    each(n), each(a, b)     a loop, without break; vector=True: its passes do not depend on one
-                            another
-    when(c), otherwise()    what is done if a condition holds, and else
-    stop(c)                 ends the innermost loop
-    variable(0.0)           a number that changes: its ``value`` is read and set
-    pick(c, a, b)           one of two whole numbers; either(c, a, b): one of two arrays
-    named(i)                a whole number, computed once
-    invoke("name", address, …) calls a function in C
 """
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import reduce
 from itertools import accumulate, zip_longest
+from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -34,7 +26,9 @@ KINDS = {"f": "double", "i": "long"}
 
 
 def each(*ends: Any, vector: bool = False) -> Iterator[Index]:
-    """A loop whose number goes from 0, or from the first of two ends, to below the last end."""
+    """A loop whose number goes from 0, or from the first of two ends, to below the last end. It
+    ends by `stop`, not by break. vector: its passes do not depend on one another.
+    """
     record = recording()
     first, last = map(index_of, ends if len(ends) == 2 else (0, *ends))
     i = record.new("i")
@@ -98,8 +92,7 @@ def whole(value: Any) -> Index:
 
 def number(index: Any) -> Any:
     """Return a whole number as a number that formulas take."""
-    text = f"(double){index_of(index)}"
-    return recording().symbol(("number", text), text)
+    return recording().given(f"(double){index_of(index)}")
 
 
 class variable:
@@ -168,7 +161,7 @@ class Array(NDArrayOperatorsMixin):
         every = zip_longest(indices, self.shape, self._steps, fillvalue=slice(None))
         for index, length, step in every:
             ends = (index.start, index.stop) if isinstance(index, slice) else (index, None)
-            first, last = (length + n if _below_0(n) else n for n in ends)
+            first, last = (length + n if isinstance(n, Integral) and n < 0 else n for n in ends)
             begin.append(0 if first is None else first * step)
             if isinstance(index, slice):
                 last = length if last is None else last
@@ -202,10 +195,6 @@ class Array(NDArrayOperatorsMixin):
         raise refuse("an operation on a whole array: write a loop, `for i in each(n):`")
 
     __hash__ = None  # type: ignore[assignment]
-
-
-def _below_0(index: Any) -> bool:
-    return isinstance(index, (int, np.integer)) and index < 0
 
 
 def invoke(name: str, address: Any, *arrays: Array) -> None:

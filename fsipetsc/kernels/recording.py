@@ -4,6 +4,7 @@ numbers that are known only when C runs. See fsipetsc.kernels.loops.
 
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from numbers import Integral
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,8 +21,7 @@ def _compared(sign: str) -> Any:
     """The operator of a comparison, whose result is a condition."""
 
     def compare(self: "Index", other: Any) -> Symbol:
-        text = f"{self} {sign} {index_of(other)}"
-        return recording().symbol(("holds", text), text, "holds")
+        return recording().given(f"{self} {sign} {index_of(other)}", operation="holds")
 
     return compare
 
@@ -72,13 +72,13 @@ class Index:
 
 def is_whole(value: Any, number: int | None) -> bool:
     """Whether a value is this whole number, which is known when it is recorded."""
-    return isinstance(value, (int, np.integer)) and int(value) == number
+    return isinstance(value, Integral) and int(value) == number
 
 
 def index_of(value: Any) -> Index:
     if isinstance(value, Index):
         return value
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)):
+    if isinstance(value, bool) or not isinstance(value, Integral):
         raise refuse(f"{value!r} is no whole number")
     return Index(str(int(value)) if value >= 0 else f"({int(value)})")
 
@@ -114,15 +114,9 @@ class Recording(Record):
         self.items.append(made)
         self._within[-1].append(key)
 
-    def symbol(self, key: Any, text: str, operation: str = "given") -> Symbol:
-        """A symbol that C computes as ``text``; the operation "holds" makes it a condition."""
-        symbol = self._one(key, operation)
-        symbol.text, symbol.uniform = text, False
-        return symbol
-
     def number_at(self, place: str) -> Symbol:
         """The number that C has at a place, which is read once between stores."""
-        return self.symbol(("read", place, self.stores), place)
+        return self.given(place, stores=self.stores)
 
     def whole_at(self, place: str) -> Any:
         """The whole number that C has at a place, which is read once between stores."""

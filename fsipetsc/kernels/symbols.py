@@ -12,7 +12,6 @@ Only changes that keep every bit are made: operations on constants are done here
 0 x are x, x and 0 (the last two but for signs of zero, infinity and what is not a number).
 """
 
-import operator
 import os
 import sys
 from collections import Counter
@@ -161,9 +160,13 @@ class Record:
         symbol.uniform, symbol.value = True, number
         return symbol
 
-    def given(self, text: str, uniform: bool = False) -> Symbol:
-        """A symbol that is read where the C code ``text`` says; uniform: it is the same for all."""
-        symbol = self._one(("given", text), "given")
+    def given(
+        self, text: str, uniform: bool = False, operation: str = "given", stores: int = 0
+    ) -> Symbol:
+        """A symbol that C has as ``text``. uniform: it is the same for all. operation: "holds"
+        makes it a condition. stores: after how many stores it is read.
+        """
+        symbol = self._one((operation, text, stores), operation)
         symbol.text, symbol.uniform = text, uniform
         return symbol
 
@@ -205,20 +208,14 @@ def exact(x: Any) -> Any:
     return x
 
 
-_FOLDED: dict[str, Callable[..., float]] = {
-    **{"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv},
-    **{"neg": operator.neg, "abs": abs},
-}
-
-
 def _simplified(record: Record, operation: str, operands: tuple[Symbol, ...]) -> Symbol | None:
     """Return what the operation gives without being recorded, as x + 0 is x, or None."""
     values = [operand.value for operand in operands]
     a, b, x, y = operands[0], operands[-1], values[0], values[-1]
     if operation == "/" and y == 0.0:
         raise refuse("it divides by a constant 0")
-    if operation in _FOLDED and None not in values:
-        return record.constant(_FOLDED[operation](*values))
+    if operation in ("+", "-", "*", "/", "neg", "abs") and None not in values:
+        return record.constant(_FUNCTIONS[operation](*values))
     if (operation, x) in (("+", 0.0), ("*", 1.0)):
         return b
     if (operation, y) in (("+", 0.0), ("-", 0.0), ("*", 1.0), ("/", 1.0)):

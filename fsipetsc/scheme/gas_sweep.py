@@ -27,7 +27,7 @@ from fsipetsc.equations.gas import NEAR
 from fsipetsc.equations.tensors import outer
 from fsipetsc.equations.vectors import add, along, mean, scale, sub
 from fsipetsc.kernels.arrays import Array, aligned
-from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel, Layout, numbers_of
+from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel, numbers_of
 from fsipetsc.kernels.loops import each, named, pick, when
 from fsipetsc.operators.bands import Band, Patch
 from fsipetsc.scheme.gas_terms import Form
@@ -365,7 +365,7 @@ def _store(d: int, sums: int, moves: bool, number: int, kind: str) -> Kernel:
     total = scale(of_row * of_node, total)
     store(kernel, number, (total[-1] if moves else 0.0, *total[: d + 2]))
     if sums > d + 2:
-        kernel.store("supplied", Layout(f"{{c}} + {{i}} * {d + 1}"), (*total[d + 2 : sums], 0.0))
+        kernel.store("supplied", f"{{c}} + {{i}} * {d + 1}", (*total[d + 2 : sums], 0.0))
     return kernel
 
 

@@ -27,13 +27,13 @@ import numpy as np
 from fsipetsc.equations.tensors import add_unit, apply, column_sums, product, transpose
 from fsipetsc.equations.vectors import add, along, dot, scale, sub, total
 from fsipetsc.kernels.arrays import Array, aligned
-from fsipetsc.kernels.kernel import OWNED, PLANES, ROWS, SHARED, Kernel, Layout, numbers_of
+from fsipetsc.kernels.kernel import OWNED, PLANES, ROWS, SHARED, Kernel, numbers_of
 from fsipetsc.kernels.loops import each, named, otherwise, pick, when
 from fsipetsc.operators.bands import Patch
 from fsipetsc.scheme.sweep import KINDS, Sweep, in_order, order, parts, pieces, store
 
 #: planes of a tile
-TILE = Layout("{c} * step + {i}", "step")
+TILE = "{c} * step + {i}"
 #: kinds of derivatives: D_k and D°_k
 PLAIN, FREE = range(2)
 #: most nodes of a tile along the first axis, and along the second one of three, for d = 1, 2, 3
