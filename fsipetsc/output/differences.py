@@ -148,10 +148,10 @@ def _of_layers(a: Run, b: Run, notes: list[str]) -> Iterator[Difference]:
     for name in _both(a.blocks, b.blocks, "layer", notes) if len(times) else ():
         layer, other = a.blocks[name], b.blocks[name]
         here, there = common_nodes(layer, other, notes)
+        if not len(here):
+            continue
         places = layer.places.reshape(-1, len(layer.shape))[here]
-        for field in (
-            _both(layer.fields, other.fields, f"{name}: field", notes) if len(here) else ()
-        ):
+        for field in _both(layer.fields, other.fields, f"{name}: field", notes):
             one = layer[field][in_a].reshape(len(times), -1)[:, here]
             two = other[field][in_b].reshape(len(times), -1)[:, there]
             if layer.shape != other.shape:  # active parts of two grids end at other nodes

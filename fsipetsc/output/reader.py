@@ -21,17 +21,7 @@ import numpy as np
 
 from fsipetsc.checks import Array, counted
 from fsipetsc.errors import FileError, short
-from fsipetsc.output.file_layout import (
-    FORMAT,
-    NAMES,
-    VERSION,
-    beside,
-    columns,
-    damage,
-    numbers,
-    open_h5,
-    pieces,
-)
+from fsipetsc.output import file_layout as layout
 
 
 class Run:
@@ -62,15 +52,14 @@ class Run:
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        name = os.fspath(path)
-        if name.endswith(".parts"):  # of a run that goes on or was killed
-            name = f"{name.removesuffix('.parts')}.h5"
-        self.path = os.path.abspath(name)
-        whole = Path(self.path)
-        found = [] if whole.exists() else pieces(beside(whole, ".parts"))
+        whole = Path(os.path.abspath(path))
+        if whole.suffix == ".parts":  # of a run that goes on or was killed
+            whole = whole.with_suffix(".h5")
+        self.path = str(whole)
+        found = [] if whole.exists() else layout.pieces(layout.beside(whole, ".parts"))
         if not found and not whole.is_file():  # a pipe would wait for a writer
             what = "is no regular file" if whole.exists() else "there is no such file"
-            raise FileError(f"{name}: {what}")
+            raise FileError(f"{short(whole)}: {what}")
         try:
             self._read(found or [whole])
         except FileError:
@@ -85,26 +74,26 @@ class Run:
         nodes, times, series = list[Array](), list[Array](), dict[str, list[Array]]()
         for path in files:
             called = short(path)
-            with damage(called), open_h5(path) as file:
+            with layout.damage(called), layout.open_h5(path) as file:
                 about: dict[str, Any] = json.loads(file["about"][()] if "about" in file else "{}")
-                if about.get("format") != FORMAT:
+                if about.get("format") != layout.FORMAT:
                     raise FileError(f"{called}: is not a result of fsipetsc")
-                if about["version"] != VERSION:
+                if about["version"] != layout.VERSION:
                     said = f"has the file format {about['version']}"
-                    raise FileError(f"{called}: {said}, and this fsipetsc reads {VERSION}")
+                    raise FileError(f"{called}: {said}, and this fsipetsc reads {layout.VERSION}")
                 layers = about["header"]["layers"]
-                times.append(numbers(file["time"], None))
+                times.append(layout.numbers(file["time"], None))
                 self._files.append((path, len(times[-1])))
                 if "series" in file:
-                    group, steps = file["series"], len(numbers(file["series/t"], None))
+                    group, steps = file["series"], len(layout.numbers(file["series/t"], None))
                     # a list: HDF5, asked for names, crashes where a byte of many names has changed
-                    for name in [name.decode() for name in group.attrs.get(NAMES, ())] or [*group]:
-                        found = numbers(group[name], steps, *group[name].shape[1:2])
+                    for name in map(bytes.decode, group.attrs[layout.NAMES]):
+                        found = layout.numbers(group[name], steps, *group[name].shape[1:2])
                         series.setdefault(name, []).append(found)
                 for k, of in enumerate(layers if "layer0/X" in file and not nodes else ()):
                     n, d = math.prod(of["shape"]), len(of["shape"])
-                    nodes.append(numbers(file[f"layer{k}/X"], *((n, d) if d > 1 else (n,))))
-        with damage(self.path):
+                    nodes.append(layout.numbers(file[f"layer{k}/X"], *((n, d) if d > 1 else (n,))))
+        with layout.damage(self.path):
             self.time = np.concatenate(times)
             self.nframes = len(self.time)
             self.series = {name: np.concatenate(values) for name, values in series.items()}
@@ -193,7 +182,7 @@ class Layer(Mapping[str, Array]):
     def __init__(self, run: Run, number: int, entry: Mapping[str, Any], nodes: Array) -> None:
         self.name: str = entry["name"]
         self.kind: str = entry["kind"]
-        self.fields = columns(entry)
+        self.fields = layout.columns(entry)
         self._run, self._number, self._kept = run, number, dict[str, Array]()
         d = len(entry["shape"])
         self.shape: tuple[int, ...] = tuple(entry["shape"]) if len(nodes) else (0,) * d
@@ -241,12 +230,12 @@ class Layer(Mapping[str, Array]):
         """Return these fields in the frames from first to end. FileError."""
         width = len(self.fields)
         found = [[np.empty((0, *self.shape))] for _ in names]
-        with damage(self._run.path):
+        with layout.damage(self._run.path):
             for path, count in self._run._files:
                 a, b = max(first, 0), min(end, count)  # of this file
                 first, end = first - count, end - count
                 if a < b:
-                    with open_h5(path) as file:
+                    with layout.open_h5(path) as file:
                         group = file[f"layer{self._number}"]
                         if "frames" in group:
                             table = group["frames"][:, a * width : b * width]
