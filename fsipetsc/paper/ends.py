@@ -309,7 +309,6 @@ def move_boundary(layer, results):
             fill_ghost(layer, new=True)
         with when((layer.hi - layer.lo > target) & (target >= layer.least - 1)):
             active[side] = active[1 - side] + outwards * target
-            layer.k[:] = 0.0  # a point that goes out has no rates
             fill_ghost(layer)
 
 

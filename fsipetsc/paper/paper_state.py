@@ -77,12 +77,10 @@ class PaperState(State):
         told, sums = np.split(numbers, [self.results.size + count + noted])
         _, bounds, notes = np.split(told, [self.results.size, self.results.size + count])
         self.bounds = bounds.reshape(-1, 2)
-        self.layers, memory, k = layers_of(comm, problem, opt, self.op, self.bounds)
+        steps = rates.Steps(self.batch, np.zeros(1), told, self.results, bounds, notes, sums)
+        self.layers, memory = layers_of(comm, problem, opt, self.op, self.bounds, steps)
         self.parts = {v.number: v for v in self.layers if v.own[0] < v.own[1]}
         self.shapes = [v.local.shape[1:] for v in self.layers]
-        q, k = memory[count:], k[count:]
-        y, total = zeros((2, q.size))
-        of_steps = rates.Steps(q, y, total, k, self.batch, told, self.results, bounds, notes, sums)
         self.changing = memory, *(v.active for v in self.layers), self.results, self.batch
         self.y = zeros(sum(v.owned.size for v in self.layers))
         self.solution = PETSc.Vec().createWithArray(self.y, comm=comm)
@@ -92,9 +90,9 @@ class PaperState(State):
         rows = [v for one in self.interfaces for v in swapped(comm.rank, one.owners, one.rows)]
         self._rows = Exchange(comm, ROWS_TAG, rows, memory, memory)
         self._halos = Exchange(comm, HALOS_TAG, routes_of(self.layers, comm.rank), memory, memory)
-        self._load_procedures(of_steps, announce)
+        self._load_procedures(steps, announce)
 
-    def _load_procedures(self, of_steps: rates.Steps, announce: Callable[[str], None]) -> None:
+    def _load_procedures(self, steps: rates.Steps, announce: Callable[[str], None]) -> None:
         """Record all procedures, the same ones on all ranks, and make machine code of them; does:
         name -> those that this rank calls.
         """
@@ -105,19 +103,19 @@ class PaperState(State):
 
         for k, layer in enumerate(self.layers):
             for name, f in OF_LAYERS[layer.layer.kind].items():
-                of = (layer, of_steps) if name == "complete" else (layer,)
+                of = (layer, steps) if name == "complete" else (layer,)
                 add(name, k, f, *of, here=k in self.parts)
         for k, one in enumerate(self.interfaces):
             add("couple", k, couple, one, here=any(one.here))
             add("note", k, note, one, here=one.here[1])  # the owner of the solid does it
-        for n in range(STAGES):
-            add("advance", n, rates.advance(n), of_steps)
+        for n in range(STAGES + 1):
+            add("begin", n, rates.begin_stage(n), steps)
         for f in (rates.forget, rates.tell, rates.finish):
-            add(f.__name__, 0, f, of_steps)
+            add(f.__name__, 0, f, steps)
         planning = code.procedure("plan_next", plan_next, self.plan)
         (library,) = libraries(self.comm, [code.text], announce)
         code.load(library)
-        self._reduction = Reduction(self.comm, of_steps.told)
+        self._reduction = Reduction(self.comm, steps.told)
         for exchange in (self._rows, self._halos, self._reduction):
             exchange.load(library)
         self._take_calls(library, planning)
@@ -128,8 +126,8 @@ class PaperState(State):
             found = [self._rows, *does["couple"], *does["close"], self._halos]
         elif name in ("rates", "advance"):
             # a stage fulfils the conditions but for the ghost point, the completed solution all
-            found = [*(does["fill"] if n > 0 else ()), *does["rates"]]
-            found += [does[name][n]] if name == "advance" else []
+            stage = n if name == "advance" else rates.RATES_ALONE
+            found = [does["begin"][stage], *(does["fill"] if n > 0 else ()), *does["rates"]]
         elif name == "complete":
             tell = [*does["tell"], self._reduction] if self.comm.size > 1 else []
             found = [*does["forget"], *does[name], *does["note"], *tell, *does["finish"]]
@@ -256,7 +254,8 @@ class PaperState(State):
     def right_hand_side(self, y: Array, f: Array) -> None:
         super().right_hand_side(y, f)
         for layer in self.parts.values():
-            layer.of(f)[:] = layer.k[:, slice(*layer.own)]
+            layer.of(f)[:] = 0.0
+            layer.of(f)[:, layer.mine] = layer.owned[:, layer.mine]
 
     def show(self, n: int) -> None:
         """Let PETSc's vector have the solution."""

@@ -32,18 +32,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.kernels.arrays import Array
-from fsipetsc.kernels.loops import each, named, number, variable, when
+from fsipetsc.kernels.loops import each, named, number, pick, variable, when
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.paper.ends import beyond_boundary, distance, end_of, fill_ghost, move_boundary
-from fsipetsc.paper.stencils import STIFFNESS, add_remainder, derivative, halo_of_rates, near_ends
+from fsipetsc.paper.stencils import STIFFNESS, add_remainder, derivatives, halo_of_rates, near_ends
 from fsipetsc.scheme.monitor import rate_of, survey
-from fsipetsc.scheme.plan import BAD, DT, RATE, SAID_STOP, STOP, TOO_SHORT, factors
+from fsipetsc.scheme.plan import BAD, DT, RATE, SAID_STOP, STAGES, STOP, TOO_SHORT, factors
 
-#: rows of scratch
-ROWS = 15
+#: rows of scratch, and with those of rates
+SCRATCH, ROWS = 12, 16
 #: points whose rates are found together: their rows stay in the fastest memory
 PIECE = 192
-
+#: in place of a stage: its rates take its place, and there is no next one
+RATES_ALONE = STAGES
 
 #: numbers of an interface that are noted
 NOTES = 8
@@ -89,19 +90,32 @@ def widened(span, reach):
 
 
 def pieces(layer):
-    """(scratch, span) of pieces of the points; rows of scratch begin shortly before the first
-    point. Where rates are added to something, that is there.
+    """(w, k, span) of pieces of the points: rows of scratch, and of the rates that are to be found,
+    which begin shortly before the first point. Where rates are added to something, that is there.
+
+    A piece makes the next stage of the points behind it, which no later piece reads: their rates
+    and unknowns are still in the fastest memory.
     """
-    k, rows = layer.k, layer.scratch
-    for c in each(k.shape[0]) if adds(layer) else ():
-        for i in each(k.shape[1], vector=True):
-            k[c, i] = 0.0 if layer.forcing is None else layer.forcing[c, i]
-    begin, end, A, B = layer.span
+    (begin, end, A, B), behind = layer.span, halo_of_rates(layer.op)
+    rates = layer.scratch[SCRATCH:]
     for piece in each((end - begin + (PIECE - 1)) // PIECE):
         a = named(begin + piece * PIECE)
-        scratch = rows.reshape(-1)[halo_of_rates(layer.op) - a :]
-        span = a, named(np.minimum(a + PIECE, end)), A, B
-        yield scratch.reshape(rows.shape[0], rows.shape[1]), span
+        b = named(np.minimum(a + PIECE, end))
+        w, k = (beginning_at(behind - a, rows) for rows in (layer.scratch, rates))
+        for c in each(layer.local.shape[0]) if adds(layer) else ():
+            for i in each(a, b, vector=True):
+                k[c, i] = 0.0 if layer.forcing is None else layer.forcing[c, i]
+        yield w, k, (a, b, A, B)
+        first, last = np.maximum(begin, a - behind), np.maximum(begin, b - behind)
+        advance(layer, k, named(first), pick(b == end, end, last))
+        for c in each(layer.local.shape[0]):
+            for i in each(behind):
+                rates[c, i] = rates[c, i + PIECE]
+
+
+def beginning_at(place, rows):
+    """Rows of which number 0 is at a place of theirs."""
+    return rows.reshape(-1)[place:].reshape(*rows.shape)
 
 
 def adds(layer):
@@ -109,10 +123,10 @@ def adds(layer):
     return layer.forcing is not None or layer.narrow
 
 
-def put(layer, i, rates):
+def put(layer, k, i, rates):
     """Store the rates of a point, or add them to what is there."""
     for c, rate in enumerate(rates):
-        layer.k[c, i] = layer.k[c, i] + rate if adds(layer) else rate
+        k[c, i] = k[c, i] + rate if adds(layer) else rate
 
 
 def entropy_keeping(gas, rho, m, e, rho_t, m_t, e_t, u_X):
@@ -131,102 +145,104 @@ def entropy_keeping(gas, rho, m, e, rho_t, m_t, e_t, u_X):
     return u * m_t + (h - 0.5 * u * u) * rho_t + gas.viscosity(T) * u_X * u_X - e_t
 
 
+def fluxes(gas, s, unknowns, u, T, u_X, T_X):
+    """What stands within (..)_X in (4.20)."""
+    (rho, m, e), relative = unknowns, u - s
+    pressing = gas.law.pressure(rho, T) - gas.viscosity(T) * u_X
+    energy = e * relative + u * pressing - gas.conductivity(T) * T_X
+    return rho * relative, m * relative + pressing, energy
+
+
 def gas_rates(layer):
     """Find the rates of (4.20)."""
     op, gas, kind, per_h, s = layer.op, layer.material, end_of(layer), 1.0 / layer.h, layer.frame[0]
     rho, m, e = (layer.local[c] for c in range(3))
-    for w, span in pieces(layer):
-        a, b, A, B = span
+    for w, k, span in pieces(layer):
+        u, T, u_X, T_X, f, g, h = (w[c] for c in range(7))
         (f0, f1), (v0, v1) = (widened(span, reach) for reach in (op.reach, 2 * op.reach))
-        u, T, u_X, T_X, f, g, h, f_X, g_X, h_X = (w[c] for c in range(10))
         for i in each(v0, v1, vector=True):
             r = 1.0 / rho[i]
             v = m[i] * r
             u[i], T[i] = v, gas.law.temperature(rho[i], e[i] * r - 0.5 * v * v)
-        ghost, end = (B, A) if layer.side else (A, B)
+        _, _, A, B = span
+        ghost, interface = (B, A) if layer.side else (A, B)
         if kind.gradient:  # u and T of the ghost point are others for the gradients
-            own_u, own_T, seen = variable(), variable(), (v0 <= ghost) & (ghost < v1)
-            with when(seen):
+            own_u, own_T = variable(), variable()
+            with when((v0 <= ghost) & (ghost < v1)):
                 own_u.value, own_T.value = u[ghost], T[ghost]
                 u[ghost], T[ghost] = kind(layer, ghost).gradient()
-        derivative(op, w, 0, w, 2, 2, (f0, f1, A, B), per_h)  # u_X, T_X
         if layer.narrow:
-            narrow_gas(layer, w, span)
+            narrow_gas(layer, w, k, span)
+        for i, _, gradients in derivatives(layer, (u, T), (f0, f1, A, B), per_h):
+            u_X[i], T_X[i] = gradients
+            unknowns = rho[i], m[i], e[i]
+            f[i], g[i], h[i] = fluxes(gas, s, unknowns, u[i], T[i], *gradients)
         if kind.gradient:
-            with when(seen):
-                u[ghost], T[ghost] = own_u.value, own_T.value
-        for i in each(f0, f1, vector=True):  # rho (u-s), ... of (4.20)
-            relative = u[i] - s
-            pressing = gas.law.pressure(rho[i], T[i]) - gas.viscosity(T[i]) * u_X[i]
-            mass, momentum = rho[i] * relative, m[i] * relative + pressing
-            energy = e[i] * relative + u[i] * pressing - gas.conductivity(T[i]) * T_X[i]
-            f[i], g[i], h[i] = mass, momentum, energy
-        derivative(op, w, 4, w, 7, 3, span, per_h)  # f_X, g_X, h_X
-        with when((gas.kappa == 0.0) & (a <= end) & (end < b)):
-            rates = -f_X[end], -g_X[end], -h_X[end]
-            h_X[end] -= entropy_keeping(gas, rho[end], m[end], e[end], *rates, u_X[end])
-        for i in each(a, b, vector=True):
-            put(layer, i, (-f_X[i], gas.force * rho[i] - g_X[i], gas.force * m[i] - h_X[i]))
+            with when((f0 <= ghost) & (ghost < f1)):
+                of_ghost = own_u.value, own_T.value, u_X[ghost], T_X[ghost]
+                unknowns = rho[ghost], m[ghost], e[ghost]
+                f[ghost], g[ghost], h[ghost] = fluxes(gas, s, unknowns, *of_ghost)
+        for i, near, (f_X, g_X, h_X) in derivatives(layer, (f, g, h), span, per_h):
+            if near and near[1] is interface:
+                rates = -f_X, -g_X, -h_X
+                more = entropy_keeping(gas, rho[i], m[i], e[i], *rates, u_X[i])
+                h_X = np.where((gas.kappa == 0.0) & (near[0] == 0), h_X - more, h_X)
+            put(layer, k, i, (-f_X, gas.force * rho[i] - g_X, gas.force * m[i] - h_X))
 
 
-def narrow_gas(layer, w, span):
+def narrow_gas(layer, w, k, span):
     """Add what narrow derivatives of (u, T), rows 0 and 1 of scratch w, make of the rates."""
     op, gas, (u, T) = layer.op, layer.material, (w[0], w[1])
-    mu, mu_u, kappa, *scratch = (w[c] for c in range(10, 15))
+    mu, mu_u, kappa, *scratch = (w[c] for c in range(7, SCRATCH))
     for i in each(*widened(span, 2 * op.p), vector=True):
         viscosity = gas.viscosity(T[i])
         mu[i], mu_u[i], kappa[i] = viscosity, viscosity * u[i], gas.conductivity(T[i])
-    for b, y, c in ((mu, u, 1), (mu_u, u, 2), (kappa, T, 2)):
-        add_remainder(op, -1.0 / (layer.h * layer.h), b, y, scratch, layer.k[c], span)
+    for term in each(3):  # R(mu') u in (rho u)_t, R(u mu') u and R(kappa) T in e_t
+        y, rate = w[pick(term == 2, 1, 0)], k[pick(term == 0, 1, 2)]
+        add_remainder(layer, -1.0 / (layer.h * layer.h), w[7 + term], y, scratch, rate, span)
 
 
 def elastic_rates(layer):
     """Find the rates of (4.19)."""
-    op, solid, q, per_h = layer.op, layer.material, layer.local, 1.0 / layer.h
-    u, sigma, T = (q[c] for c in range(3))
-    for w, span in pieces(layer):
-        a, b, A, B = span
-        f0, f1 = widened(span, op.reach)
-        T_X, x_X, net, conducted, u_X, net_X, conducted_X, stretch = (w[c] for c in range(8))
-        derivative(op, q, 2, w, 0, 2, (f0, f1, A, B), per_h)  # T_X, x_X
-        for i in each(f0, f1, vector=True):  # 1/x_X, sigma - p, kappa_e/x_X T_X
-            r = 1.0 / x_X[i]
-            stretch[i], net[i] = r, sigma[i] - solid.pressure(T[i], x_X[i])
-            conducted[i] = solid.kappa_e * r * T_X[i]
-        derivative(op, q, 0, w, 4, 1, span, per_h)  # u_X
-        derivative(op, w, 2, w, 5, 2, span, per_h)  # net_X, conducted_X
+    op, solid, per_h = layer.op, layer.material, 1.0 / layer.h
+    u, sigma, T, x = (layer.local[c] for c in range(4))
+    for w, k, span in pieces(layer):
+        net, conducted, shorter = (w[c] for c in range(3))
+        wider = (*widened(span, op.reach), *span[2:])
+        for i, _, (T_X, x_X) in derivatives(layer, (T, x), wider, per_h):
+            r = 1.0 / x_X
+            shorter[i], net[i] = r, sigma[i] - solid.pressure(T[i], x_X)
+            conducted[i] = solid.kappa_e * r * T_X
         if layer.narrow:
-            scale, (by, *scratch) = layer.h * layer.h * solid.alpha * solid.m0, (w[8], w[9], w[10])
+            scale, (by, *scratch) = layer.h * layer.h * solid.alpha * solid.m0, (w[3], w[4], w[5])
             for i in each(*widened(span, min(op.reach, 2 * op.p)), vector=True):
-                by[i] = solid.kappa_e * stretch[i]
-            add_remainder(op, -1.0 / scale, by, T, scratch, layer.k[2], span)
-        for i in each(a, b, vector=True):
-            acceleration = net_X[i] / solid.m0 + solid.force
-            warming = (net[i] * u_X[i] + conducted_X[i]) / (solid.alpha * solid.m0)
-            put(layer, i, (acceleration, solid.K * stretch[i] * u_X[i], warming, u[i]))
+                by[i] = solid.kappa_e * shorter[i]
+            add_remainder(layer, -1.0 / scale, by, T, scratch, k[2], span)
+        for i, _, (u_X, net_X, conducted_X) in derivatives(layer, (u, net, conducted), span, per_h):
+            acceleration = net_X / solid.m0 + solid.force
+            warming = (net[i] * u_X + conducted_X) / (solid.alpha * solid.m0)
+            put(layer, k, i, (acceleration, solid.K * shorter[i] * u_X, warming, u[i]))
 
 
 def stretch(layer):
     """scratch[0] = h x_X of a solid, at the active ones of this rank's points."""
-    derivative(layer.op, layer.local, 3, layer.scratch, 0, 1, layer.span, 1.0)
+    for i, _, (x_X,) in derivatives(layer, [layer.local[3]], layer.span, 1.0):
+        layer.scratch[0, i] = x_X
 
 
 # steps
 
 
 class Steps(NamedTuple):
-    """Of all layers on this rank, with halos: q a stage, and after a step the solution; y the
-    solution before the step; total the sum of the stages; k rates. batch: fsipetsc.scheme.plan.
+    """Of all layers on this rank. batch: fsipetsc.scheme.plan. stage: (1,) number of the stage
+    whose rates are found, or RATES_ALONE.
 
     told: what ranks tell each other of a step: results (fsipetsc.scheme.plan), the bounds of all
     layers, notes of interfaces. sums: what is noted after that, from the masses of gases on.
     """
 
-    q: Array
-    y: Array
-    total: Array
-    k: Array
     batch: Array
+    stage: Array
     told: Array
     results: Array
     bounds: Array
@@ -234,25 +250,39 @@ class Steps(NamedTuple):
     sums: Array
 
 
-def advance(stage: int) -> Callable[[Steps], None]:
-    """What makes the next stage, and the sum that becomes the solution, of the rates k of a stage
-    of the classical method.
+def begin_stage(number: int) -> Callable[[Steps], None]:
+    """What says that rates are those of a stage, or RATES_ALONE."""
+
+    def begin(steps):
+        """The stage whose rates are found from now on."""
+        steps.stage[0] = float(number)
+
+    return begin
+
+
+def advance(layer, rates, first, end):
+    """Of points make the next stage of the classical method, and the sum that becomes the solution,
+    from the rates k of a stage. RATES_ALONE: let the rates be where the stage was.
     """
-
-    def advance_stage(steps):
-        """Make the next stage and the sum of stages."""
-        q, y, total, (a, b) = steps.q, steps.y, steps.total, factors(stage, steps.batch[DT])
-        for i in each(q.size, vector=True):
-            k, base = steps.k[i], y[i] if stage else q[i]
-            found = (total[i] if stage else base) + b * k
-            if stage == 0:
-                y[i] = base
-            if stage == 3:
-                q[i] = found
-            else:
-                total[i], q[i] = found, base + a * k
-
-    return advance_stage
+    dt, now = layer.batch[DT], layer.stage[0]
+    for stage in range(STAGES + 1):
+        with when(now == float(stage)):
+            for c in each(layer.local.shape[0]):
+                q, y, total = layer.local[c], layer.y[c], layer.total[c]
+                for i in each(first, end, vector=True):
+                    k = rates[c, i]
+                    if stage == RATES_ALONE:
+                        q[i] = k
+                        continue
+                    a, b = factors(stage, dt)
+                    base = y[i] if stage else q[i]
+                    found = (total[i] if stage else base) + b * k
+                    if stage == 0:
+                        y[i] = base
+                    if stage == 3:
+                        q[i] = found
+                    else:
+                        total[i], q[i] = found, base + a * k
 
 
 # after a step
@@ -343,7 +373,7 @@ def surveyed(layer, least, measure, densities):
     *totals, other = found.values()
     finite = totals[0].value + totals[1].value + totals[2].value + other.value
     for r, i, _, _ in near_ends(layer.op, layer.span):
-        add(totals, float(layer.op.norm[r]) - 1.0, densities(i))
+        add(totals, layer.closure[r, 0] - 1.0, densities(i))
     return extremes, totals, finite
 
 

@@ -34,7 +34,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.kernels.loops import each, named, when
+from fsipetsc.kernels.loops import each, named, variable, when
 from fsipetsc.operators.sbp import SBPOperator, fractions, undivided
 
 #: As STIFFNESS_OF_WIDE, by interior order: D2(1) has spectral radii of 4.0, 5.3, 6.0 and 7.1 at
@@ -67,37 +67,47 @@ def halo_of_rates(op: SBPOperator) -> int:
     return max(2 * op.reach, 6)
 
 
-def near_ends(op: SBPOperator, span: Any) -> Iterator[tuple[int, Any, Any, int]]:
+def closure_of(op: SBPOperator) -> np.ndarray:
+    """(rows, 1 + columns), of the points near an end: the norm, then the rows of h D."""
+    return np.array([[float(v) for v in (one, *row)] for one, row in zip(op.norm, op.closure)])
+
+
+def near_ends(op: SBPOperator, span: Any) -> Iterator[tuple[Any, Any, Any, int]]:
     """(r, i, end, step): each point i of a span that is point number r from an end, A or B, from
     which ``step`` leads inwards. What the loop does is done where there is such a point.
     """
     a, b, A, B = span
     for end, step in ((A, 1), (B, -1)):
-        for r in range(op.rows):
-            i = end + step * r
+        for r in each(op.rows):
+            i = named(end + step * r)
             with when((a <= i) & (i < b)):
                 yield r, i, end, step
 
 
-def derivative(op, q, of, w, to, count, span, scale):
-    """w[to + c] = scale h D q[of + c], c = 0 .. count - 1, at the points of a span; q[of + c] is
-    known where that reaches, or to A, B."""
-    a, b, A, B = span
-    first, end = named(np.maximum(a, A + op.rows)), named(np.minimum(b, B + 1 - op.rows))
-    weights = [scale * float(weight) for weight in op.interior]
-    for c in each(count):
-        f, out = q[c + of], w[c + to]
-        for i in each(first, end, vector=True):
-            out[i] = sum(v * (f[i + k] - f[i - k]) for k, v in enumerate(weights, 1))
-        for r, i, edge, step in near_ends(op, span):
-            row = sum(float(v) * f[edge + step * k] for k, v in enumerate(op.closure[r]))
-            out[i] = step * scale * row
+def derivatives(layer, rows, span, scale):
+    """(i, near, [scale h D q for q in rows]) at each point i of a span. near: (r, end) for point
+    number r from an end, A or B; None between the closures. Rows are known where D reaches from the
+    span, or to A, B.
+    """
+    op, (a, b, A, B) = layer.op, span
+    first, beyond = named(np.maximum(a, A + op.rows)), named(np.minimum(b, B + 1 - op.rows))
+    weights = [(k, scale * float(weight)) for k, weight in enumerate(op.interior, 1)]
+    for i in each(first, beyond, vector=True):
+        yield i, None, [sum(v * (q[i + k] - q[i - k]) for k, v in weights) for q in rows]
+    for r, i, end, step in near_ends(op, span):
+        sums = [variable(0.0) for _ in rows]
+        for k in each(op.rows + op.p):
+            weight, j = layer.closure[r, 1 + k], named(end + step * k)
+            with when(weight != 0.0):  # what D does not reach may be no number
+                for q, total in zip(rows, sums, strict=True):
+                    total.value = total.value + weight * q[j]
+        yield i, (r, end), [step * scale * total.value for total in sums]
 
 
-def add_remainder(op, scale, b, y, scratch, out, span):
+def add_remainder(layer, scale, b, y, scratch, out, span):
     """out[i] += scale H^-1 R(b) y at the points of a span; scratch: two rows, which begin 2p before
     the first point."""
-    (begin, end, A, B), (g, sums) = span, scratch
+    op, (begin, end, A, B), (g, sums) = layer.op, span, scratch
     means, T = MEANS[op.order], len(_ENDS[op.order])
     sums[begin:end] = 0.0
     for q, of_mean in enumerate(means, op.p + 1):
@@ -112,7 +122,7 @@ def add_remainder(op, scale, b, y, scratch, out, span):
         for i in each(begin, end, vector=True):
             sums[i] += sum(v * g[i - k] for k, v in enumerate(weights))
     for r, i, _, _ in near_ends(op, span):
-        sums[i] *= 1.0 / float(op.norm[r])
+        sums[i] *= 1.0 / layer.closure[r, 0]
     for i in each(begin, end, vector=True):
         out[i] += scale * sums[i]
 
