@@ -285,9 +285,9 @@ def fill_ghost(layer, new=False):
         q[0, ghost], q[1, ghost], q[2, ghost] = rho, rho * u, energy
 
 
-def move_boundary(layer, results):
-    """Let the ghost point be the first one at or beyond the boundary; results[EXHAUSTED]: 1 + the
-    number of the layer if no point is left.
+def move_boundary(layer):
+    """Let the ghost point be the first one at or beyond the boundary; EXHAUSTED: 1 + the number of
+    the layer if no point is left.
 
     A point that comes in is extrapolated and becomes the ghost point; where the boundary moves
     inwards the last interior point does. All ranks of a layer decide alike. Where the cells are not
@@ -303,7 +303,7 @@ def move_boundary(layer, results):
             stop(layer.hi - layer.lo >= target)
             exhausted = active[side] == (size - 1 if side else 0)
             with when(exhausted):
-                results[EXHAUSTED] = 1.0 + number(layer.number)
+                layer.steps.results[EXHAUSTED] = 1.0 + number(layer.number)
             stop(exhausted)
             active[side] = active[side] + outwards
             fill_ghost(layer, new=True)

@@ -123,17 +123,17 @@ class Layer(SimpleNamespace):
     own[1], and of halos beside them, in all from known[0] to below known[1].
 
     layer: as the case has it, which is number ``number``. ends: what stands at the left and the
-    right end, None at an interface, and end_x: where. material: as formulas. closure: of op
-    (fsipetsc.paper.stencils). narrow: with narrow second derivatives. least: active points that the
-    operator and the end conditions need. share: of all ranks. at, begin: of its numbers in the
-    memory of all layers, and in this rank's part of a solution.
+    right end, None at an interface, and end_x: where. material: as formulas. closure: of op, as
+    numbers. narrow: with narrow second derivatives. least: active points that the operator and the
+    end conditions need. share: of all ranks. at, begin: of its numbers in the memory of all layers,
+    and in this rank's part of a solution.
 
     active: the first and the last active point: in a gas interface point and ghost point. frame:
     velocity of the grid, that of the interface point, and x of the interface. given: (2, 5), what
-    is given at the ends: data (fsipetsc.boundaries), temperature or heat flux. local, y,
-    total, forcing: (unknowns, points) the stage, the solution before the step, the sum of the
-    stages, and what is added to rates, if anything. batch, stage: of fsipetsc.paper.rates.Steps.
-    bounds: of 1/dt. X: of the points that it owns.
+    is given at the ends: data (fsipetsc.boundaries), temperature or heat flux. local, y, total,
+    forcing: (unknowns, points) the stage, the solution before the step, the sum of the stages, and
+    what is added to rates, if anything. steps: of fsipetsc.paper.rates. bounds: of 1/dt. X: of the
+    points that it owns.
     """
 
     @property
@@ -246,43 +246,34 @@ class Layer(SimpleNamespace):
 
 
 def layers_of(
-    comm: MPI.Comm,
-    problem: Problem,
-    opt: Mapping[str, Any],
-    op: SBPOperator,
-    bounds: Array,
-    steps: Any,
+    comm: MPI.Comm, problem: Problem, opt: Mapping[str, Any], op: SBPOperator, steps: Any
 ) -> tuple[list[Layer], Array]:
-    """All layers, on each rank, and the memory of all frames, then of the stage. bounds: (layers,
-    2) of the step; steps: fsipetsc.paper.rates.Steps. InputError.
-    """
+    """All layers, on each rank, and the memory of all frames, then of the stage. InputError."""
     halo, h = halo_of_rates(op), opt["fsi_h"]
     grids = [grid_of(problem, k, op, h) for k in range(len(problem.layers))]
     shares = shares_of(comm.size, problem, op, grids, opt["fsi_partition"])
     shapes = [(DOF[v.kind], size) for v, (size, *_) in zip(problem.layers, grids)]
-    at = np.cumsum([bounds.size, *map(prod, shapes)]).tolist()
-    memory, *others = zeros((3, at[-1]))
+    at = np.cumsum([2 * len(grids), *map(prod, shapes)]).tolist()
+    planes = zeros((3, at[-1]))
     found, begin = [], 0
     for k, (layer, shape, share) in enumerate(zip(problem.layers, shapes, shares, strict=True)):
         (size, lo, hi, least), ends = grids[k], (problem.end(k, 0), problem.end(k, 1))
-        v = Layer(layer=layer, number=k, material=law_of(layer), op=op, h=h, share=share)
-        v.closure = closure_of(op)
+        v = Layer(layer=layer, number=k, material=law_of(layer), h=h, share=share, steps=steps)
         v.ends, v.end_x = ends, tuple(getattr(end, "x", 0.0) for end in ends)
-        v.narrow, v.least = opt["fsi_viscous"] == "narrow", least
+        v.op, v.closure, v.least = op, closure_of(op), least
+        v.narrow = opt["fsi_viscous"] == "narrow"
         v.own = share.part(comm.rank)[0] if comm.rank in share.ranks else (0, 0)
         v.known = max(v.own[0] - halo, 0), min(v.own[1] + halo, size)
-        v.at, v.begin, v.bounds = at[k], begin, bounds[k]
-        v.active, v.frame, v.given = np.array([lo, hi]), memory[2 * k :][:2], np.zeros((2, 5))
-        planes = (of[at[k] : at[k + 1]].reshape(shape) for of in (memory, *others))
-        v.local, v.y, v.total = planes
-        v.batch, v.stage = steps.batch, steps.stage
+        v.at, v.begin, v.bounds = at[k], begin, steps.bounds[2 * k :][:2]
+        v.active, v.frame, v.given = np.array([lo, hi]), planes[0, 2 * k :][:2], np.zeros((2, 5))
+        v.local, v.y, v.total = (of[at[k] : at[k + 1]].reshape(shape) for of in planes)
         v.forcing = np.zeros(shape) if layer.forcing is not None else None
         v.scratch = np.zeros((ROWS, max(size, PIECE + 2 * halo)))
         at_right = v.is_gas and k == 0  # X are counted from the interface
         v.X = layer.X[at_right] + (v.numbers - hi * at_right) * h
         found.append(v)
         begin += v.owned.size
-    return found, memory
+    return found, planes[0]
 
 
 def routes_of(layers: Sequence[Layer], me: int) -> list[Route]:

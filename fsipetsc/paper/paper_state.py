@@ -14,6 +14,7 @@ Nothing is added up over ranks: results are the same on any number of them, bit 
 
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -34,13 +35,13 @@ from fsipetsc.process.together import agree, libraries, together
 from fsipetsc.scheme.plan import EXHAUSTED, STAGES, TOO_SHORT, plan_next, step_record
 from fsipetsc.state import State
 
-#: kind of layer -> procedures by name; a lambda of the layer alone, because the recorder would
-#: take fill_ghost's other argument, new=False, for a world vector
-_GAS = {"fill": lambda layer: ends.fill_ghost(layer), "rates": rates.gas_rates}
-_SOLID = {"close": ends.close_solid, "rates": rates.elastic_rates, "stretch": rates.stretch}
+#: procedures of a layer by name; a lambda of the layer alone, because the recorder would take
+#: fill_ghost's other argument, new=False, for a world vector
+_GAS = {"fill": lambda layer: ends.fill_ghost(layer), "complete": rates.complete_gas}
+_SOLID = {"close": ends.close_solid, "stretch": rates.stretch, "complete": rates.complete_solid}
 OF_LAYERS: dict[str, dict[str, Any]] = {
-    "fluid": {**_GAS, "complete": rates.complete_gas},
-    "solid": {**_SOLID, "complete": rates.complete_solid},
+    "fluid": {"rates": rates.gas_rates, **_GAS},
+    "solid": {"rates": rates.elastic_rates, **_SOLID},
 }
 #: what a checkpoint says of a layer: where its grid lies, and how it moves
 FRAME = "lo", "hi", "s", "x_interface"
@@ -56,8 +57,6 @@ class PaperState(State):
     layers: all, on each rank. bounds: (layers, 2), the largest rates of convection and diffusion
     [1/s]. loose: gases on which a force acts.
     """
-
-    _filled = False  # whether there are data of ends, jumps, forcing
 
     def __init__(
         self,
@@ -77,8 +76,9 @@ class PaperState(State):
         told, sums = np.split(numbers, [self.results.size + count + noted])
         _, bounds, notes = np.split(told, [self.results.size, self.results.size + count])
         self.bounds = bounds.reshape(-1, 2)
-        steps = rates.Steps(self.batch, np.zeros(1), told, self.results, bounds, notes, sums)
-        self.layers, memory = layers_of(comm, problem, opt, self.op, self.bounds, steps)
+        steps = SimpleNamespace(batch=self.batch, stage=np.zeros(1), told=told, sums=sums)
+        steps.results, steps.bounds, steps.notes = self.results, bounds, notes
+        self.layers, memory = layers_of(comm, problem, opt, self.op, steps)
         self.parts = {v.number: v for v in self.layers if v.own[0] < v.own[1]}
         self.shapes = [v.local.shape[1:] for v in self.layers]
         self.changing = memory, *(v.active for v in self.layers), self.results, self.batch
@@ -92,19 +92,18 @@ class PaperState(State):
         self._halos = Exchange(comm, HALOS_TAG, routes_of(self.layers, comm.rank), memory, memory)
         self._load_procedures(steps, announce)
 
-    def _load_procedures(self, steps: rates.Steps, announce: Callable[[str], None]) -> None:
+    def _load_procedures(self, steps: Any, announce: Callable[[str], None]) -> None:
         """Record all procedures, the same ones on all ranks, and make machine code of them; does:
         name -> those that this rank calls.
         """
         code, self._does = Code(exchange_text()), defaultdict[str, list[Procedure]](list)
 
-        def add(name: str, number: int, f: Any, *of: Any, here: bool = True) -> None:
-            self._does[name] += [code.procedure(f"{name}_{number}", f, *of)][: int(here)]
+        def add(name: str, number: int, f: Any, of: Any, here: bool = True) -> None:
+            self._does[name] += [code.procedure(f"{name}_{number}", f, of)][: int(here)]
 
         for k, layer in enumerate(self.layers):
             for name, f in OF_LAYERS[layer.layer.kind].items():
-                of = (layer, steps) if name == "complete" else (layer,)
-                add(name, k, f, *of, here=k in self.parts)
+                add(name, k, f, layer, here=k in self.parts)
         for k, one in enumerate(self.interfaces):
             add("couple", k, couple, one, here=any(one.here))
             add("note", k, note, one, here=one.here[1])  # the owner of the solid does it
@@ -125,9 +124,9 @@ class PaperState(State):
         if name == "fulfil" and n > 0:  # the solution fulfils the conditions
             found = [self._rows, *does["couple"], *does["close"], self._halos]
         elif name in ("rates", "advance"):
+            begin = does["begin"][n if name == "advance" else rates.RATES_ALONE]
             # a stage fulfils the conditions but for the ghost point, the completed solution all
-            stage = n if name == "advance" else rates.RATES_ALONE
-            found = [does["begin"][stage], *(does["fill"] if n > 0 else ()), *does["rates"]]
+            found = [begin, *(does["fill"] if n > 0 else ()), *does["rates"]]
         elif name == "complete":
             tell = [*does["tell"], self._reduction] if self.comm.size > 1 else []
             found = [*does["forget"], *does[name], *does["note"], *tell, *does["finish"]]
@@ -198,14 +197,11 @@ class PaperState(State):
     # data
 
     def set_data(self, t: float) -> None:
-        """Evaluate boundary data, jumps and forcing at time t [s]; once if they are steady.
+        """Evaluate boundary data, jumps and forcing at time t [s].
 
         If a function of the user's fails, here alone perhaps, the step goes on, and all ranks learn
         of it when it is complete: see ``fault``.
         """
-        if self._filled and not self.asks:
-            return
-        self._filled = True
         try:
             for layer in self.layers:
                 for end, given in zip(layer.ends, layer.given, strict=True):

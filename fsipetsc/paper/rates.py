@@ -31,7 +31,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.kernels.arrays import Array
 from fsipetsc.kernels.loops import each, named, number, pick, variable, when
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.paper.ends import beyond_boundary, distance, end_of, fill_ghost, move_boundary
@@ -230,27 +229,13 @@ def stretch(layer):
         layer.scratch[0, i] = x_X
 
 
-# steps
+# steps. Those of all layers on this rank have one record. batch: fsipetsc.scheme.plan. stage: (1,)
+# number of the stage whose rates are found, or RATES_ALONE. told: what ranks tell each other of a
+# step: results (fsipetsc.scheme.plan), the bounds of all layers, notes of interfaces. sums: what is
+# noted after that, from the masses of gases on.
 
 
-class Steps(NamedTuple):
-    """Of all layers on this rank. batch: fsipetsc.scheme.plan. stage: (1,) number of the stage
-    whose rates are found, or RATES_ALONE.
-
-    told: what ranks tell each other of a step: results (fsipetsc.scheme.plan), the bounds of all
-    layers, notes of interfaces. sums: what is noted after that, from the masses of gases on.
-    """
-
-    batch: Array
-    stage: Array
-    told: Array
-    results: Array
-    bounds: Array
-    notes: Array
-    sums: Array
-
-
-def begin_stage(number: int) -> Callable[[Steps], None]:
+def begin_stage(number: int) -> Callable[..., None]:
     """What says that rates are those of a stage, or RATES_ALONE."""
 
     def begin(steps):
@@ -264,7 +249,7 @@ def advance(layer, rates, first, end):
     """Of points make the next stage of the classical method, and the sum that becomes the solution,
     from the rates k of a stage. RATES_ALONE: let the rates be where the stage was.
     """
-    dt, now = layer.batch[DT], layer.stage[0]
+    dt, now = layer.steps.batch[DT], layer.steps.stage[0]
     for stage in range(STAGES + 1):
         with when(now == float(stage)):
             for c in each(layer.local.shape[0]):
@@ -296,12 +281,12 @@ def forget(steps):
     steps.sums[:] = 0.0
 
 
-def complete_gas(layer, steps):
+def complete_gas(layer):
     """Fill the ghost point, let the boundary move over the grid, monitor the points."""
     fill_ghost(layer)
-    move_boundary(layer, steps.results)
+    move_boundary(layer)
     with when(distance(layer) <= number(layer.least - 2) + 1e-9):
-        steps.results[TOO_SHORT] = 1.0 + number(layer.number)
+        layer.steps.results[TOO_SHORT] = 1.0 + number(layer.number)
     gas, q, h, (a, b, A, B) = layer.material, layer.local, layer.h, layer.span
 
     def measure(i):
@@ -326,12 +311,12 @@ def complete_gas(layer, steps):
         with when((a <= i) & (i < b)):
             add(totals, -weight, densities(i))
     mass, momentum, energy = totals
-    steps.sums[layer.number // 2] += h * mass.value  # every other layer is a gas
+    layer.steps.sums[layer.number // 2] += h * mass.value  # every other layer is a gas
     good = (least.value < 0.0) & (np.absolute(finite) < np.inf)
-    note(layer, steps, (h, momentum, energy.value), fastest.value, diffusivity.value, good)
+    note(layer, (h, momentum, energy.value), fastest.value, diffusivity.value, good)
 
 
-def complete_solid(layer, steps):
+def complete_solid(layer):
     """Monitor the points, in Lagrangian coordinates."""
     solid, q, h, (_, _, A, _) = layer.material, layer.local, layer.h, layer.span
     per_h = 1.0 / h
@@ -355,7 +340,7 @@ def complete_solid(layer, steps):
     diffusivity = solid.kappa_e / (-shortest.value * solid.alpha * solid.m0)
     physical = (shortest.value < 0.0) & (coldest.value < 0.0) & (softest.value <= 0.0)
     good, speed = physical & (np.absolute(finite) < np.inf), np.sqrt(stiffest.value / solid.m0)
-    note(layer, steps, (solid.m0 * h, momentum, energy), speed, diffusivity, good)
+    note(layer, (solid.m0 * h, momentum, energy), speed, diffusivity, good)
 
 
 def surveyed(layer, least, measure, densities):
@@ -382,9 +367,9 @@ def add(totals, weight, values):
         total.value += weight * value
 
 
-def note(layer, steps, integrals, speed, diffusivity, good):
+def note(layer, integrals, speed, diffusivity, good):
     """Note the integrals of a layer, its rates, and whether all its points are physical."""
-    (scale, momentum, energy), h, order = integrals, layer.h, layer.op.order
+    (scale, momentum, energy), h, order, steps = integrals, layer.h, layer.op.order, layer.steps
     steps.sums[-2] += scale * energy
     steps.sums[-1] += scale * momentum.value
     stiffness = STIFFNESS[order] if layer.narrow else STIFFNESS_OF_WIDE
