@@ -53,9 +53,7 @@ STRIP = np.array([[24, -22, 8, -1], [0, 36, -20, 3], [0, -18, 16, -3], [0, 4, -4
 
 
 class Gas(NamedTuple):
-    """The material of a gas, as formulas: its laws are those of fsipetsc.materials, and mu is 4/3
-    of its shear viscosity [Pa s].
-    """
+    """The material of a gas: laws of fsipetsc.materials; mu is 4/3 of its viscosity [Pa s]."""
 
     law: Any
     transport: Any
@@ -289,30 +287,27 @@ def complete_gas(layer):
         layer.steps.results[TOO_SHORT] = 1.0 + number(layer.number)
     gas, q, h, (a, b, A, B) = layer.material, layer.local, layer.h, layer.span
 
-    def measure(i):
+    def see(i):
         """Speeds |u-s| + c, diffusivities max(mu', kappa/cv)/rho; the least of rho and T."""
-        u, T = gas.velocity_and_temperature(q[0, i], q[1, i], q[2, i])
-        rho = q[0, i]
+        rho, m, e = (q[c, i] for c in range(3))
+        u, T = gas.velocity_and_temperature(rho, m, e)
         speed = np.absolute(u - layer.frame[0]) + np.sqrt(gas.law.sound_speed_squared(rho, T))
         heat = gas.conductivity(T) / gas.law.heat_capacity(rho, T)
         diffusivity = np.maximum(gas.viscosity(T), heat) / rho
-        return (speed, diffusivity, -np.where(T < rho, T, rho)), T + speed
+        densities = {"mass": rho, "momentum": m, "energy": e}
+        return (speed, diffusivity, -np.where(T < rho, T, rho)), {**densities, "": T + speed}
 
-    def densities(i):
-        return [q[c, i] for c in range(3)]
-
-    found, totals, finite = surveyed(layer, (0.0, 0.0, -np.inf), measure, densities)
-    fastest, diffusivity, least = found
+    (fastest, diffusivity, least), totals, finite = surveyed(layer, (0.0, 0.0, -np.inf), see)
     ghost, step = (B, -1) if layer.side else (A, 1)
     for k in range(4):
         i, weight = ghost + step * k, 0.0
         for coefficient in STRIP[k, ::-1]:
             weight = (weight + float(coefficient)) * beyond_boundary(layer)
         with when((a <= i) & (i < b)):
-            add(totals, -weight, densities(i))
+            add(totals, -weight, see(i)[1])
     mass, momentum, energy = totals
     layer.steps.sums[layer.number // 2] += h * mass.value  # every other layer is a gas
-    good = (least.value < 0.0) & (np.absolute(finite) < np.inf)
+    good = (least.value < 0.0) & finite
     note(layer, (h, momentum, energy.value), fastest.value, diffusivity.value, good)
 
 
@@ -321,49 +316,39 @@ def complete_solid(layer):
     solid, q, h, (_, _, A, _) = layer.material, layer.local, layer.h, layer.span
     per_h = 1.0 / h
 
-    def measure(i):
+    def see(i):
         """Wave moduli, and what must be positive."""
-        sigma, T = q[1, i], q[2, i]
+        u, sigma, T = (q[c, i] for c in range(3))
         j = np.maximum(i, A + 1)  # the first point has the stretch of the second one
         x_X = (q[3, j] - q[3, j - 1]) * per_h
         p = solid.pressure(T, x_X)
         modulus = solid.wave_modulus(T, p, np.minimum(sigma, p), x_X)
-        return (modulus, -modulus, -x_X, -T), x_X + sigma + modulus
+        densities = {"momentum": u, "energy": 0.5 * u * u, "heat": T}
+        return (modulus, -modulus, -x_X, -T), {**densities, "": x_X + sigma + modulus}
 
-    def densities(i):
-        return [q[0, i], 0.5 * q[0, i] * q[0, i], q[2, i]]
-
-    found, totals, finite = surveyed(layer, (0.0, *(-np.inf,) * 3), measure, densities)
-    stiffest, softest, shortest, coldest = found
-    momentum, kinetic, heat = totals
+    found, (momentum, kinetic, heat), finite = surveyed(layer, (0.0, *(-np.inf,) * 3), see)
+    stiffest, softest, shortest, coldest = (one.value for one in found)
     energy = kinetic.value + solid.alpha * heat.value
-    diffusivity = solid.kappa_e / (-shortest.value * solid.alpha * solid.m0)
-    physical = (shortest.value < 0.0) & (coldest.value < 0.0) & (softest.value <= 0.0)
-    good, speed = physical & (np.absolute(finite) < np.inf), np.sqrt(stiffest.value / solid.m0)
-    note(layer, (solid.m0 * h, momentum, energy), speed, diffusivity, good)
+    diffusivity = solid.kappa_e / (-shortest * solid.alpha * solid.m0)
+    good = (shortest < 0.0) & (coldest < 0.0) & (softest <= 0.0) & finite
+    note(layer, (solid.m0 * h, momentum, energy), np.sqrt(stiffest / solid.m0), diffusivity, good)
 
 
-def surveyed(layer, least, measure, densities):
-    """Extremes of this rank's points, each at least ``least``, three integrals over h, and a number
-    that is finite if all are. measure(i): extremes of a point, and what must be finite of it.
+def surveyed(layer, least, see):
+    """Extremes of this rank's points, each at least ``least``, integrals over h, and whether all is
+    finite. see(i): of a point the extremes, and by names three densities, and what must be finite.
     """
     a, b, _, _ = layer.span
-
-    def see(i, more):
-        """What is found of a point."""
-        extremes, other = measure(i)
-        return extremes, dict(enumerate((*densities(i), other)))
-
-    extremes, found = survey(layer.scratch, least, [(a, b, None)], see)
+    extremes, found = survey(layer.scratch, least, [(a, b, None)], lambda i, more: see(i))
     *totals, other = found.values()
     finite = totals[0].value + totals[1].value + totals[2].value + other.value
     for r, i, _, _ in near_ends(layer.op, layer.span):
-        add(totals, layer.closure[r, 0] - 1.0, densities(i))
-    return extremes, totals, finite
+        add(totals, layer.closure[r, 0] - 1.0, see(i)[1])
+    return extremes, totals, np.absolute(finite) < np.inf
 
 
-def add(totals, weight, values):
-    for total, value in zip(totals, values, strict=True):
+def add(totals, weight, densities):
+    for total, value in zip(totals, densities.values()):
         total.value += weight * value
 
 
