@@ -1,6 +1,6 @@
 """A rank's parts of gas and of solid blocks: records for procedures, grids, what is saved."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -227,20 +227,15 @@ class SolidPart(BlockPart):
         self.prestress = None
         if self.block.prestress is not None:
             self.prestress = np.array(block_values(self.block, "prestress", self.X, 0.0))
-        self.dissipation = tuple(self._damping())
-        damps = bool(self.dissipation)
-        self.added = damps or self.block.forcing is not None
-        self.reads_ghosted = self.reads_ghosted or damps or part.signs.size > 0
-
-    def _damping(self) -> Iterator[SolidDamping]:
-        """The term of all nodes, and that of shocks."""
-        order, form = self._order, self._form
         sigma = sigma_of(form.dissipation, self._problem.joined) / 4.0 ** (order // 2)
-        terms = (order, sigma, -sigma * (form.shock > 0.0)), (2, 0.0, AT_SHOCKS * form.shock)
-        for order_of_term, a, b in terms:
-            if a > 0.0 or b > 0.0:
-                apart = differences(self._d, order_of_term, self.part.bands, self.block.cells)
-                yield SolidDamping(self.equations, apart, a, b)
+        of_all = order, sigma, -sigma * (form.shock > 0.0)
+        self.dissipation = tuple(
+            SolidDamping(self.equations, differences(d, n, part.bands, self.block.cells), a, b)
+            for n, a, b in (of_all, (2, 0.0, AT_SHOCKS * form.shock))
+            if a > 0.0 or b > 0.0
+        )
+        self.added = bool(self.dissipation) or self.block.forcing is not None
+        self.reads_ghosted |= bool(self.dissipation) or part.signs.size > 0
 
     def initial(self, t: float, q: Array) -> None:
         d, X = self._d, self.X[:, self.owned]

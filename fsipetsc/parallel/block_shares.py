@@ -153,17 +153,11 @@ def slowest(extents: Sequence[Extent], shares: Sequence[Share], size: int) -> fl
 
 def _physics(extents: Sequence[Extent], size: int) -> list[Share]:
     """Each rank has one block, or a part of one, or whole blocks of one kind."""
-    if size < len(extents):
-        ranks = _whole(extents, size)
-        return [Share((r,), _uncut(extent)) for extent, r in zip(extents, ranks, strict=True)]
-    counts = _apportion([e.work for e in extents], [e.cap for e in extents], size)
-    begins = [0, *accumulate(counts)]
-    return [_cut(extent, range(*ends)) for extent, ends in zip(extents, pairwise(begins))]
-
-
-def _whole(extents: Sequence[Extent], size: int) -> list[int]:
-    """A rank for each block, of fewer ranks than blocks: gas on the lower ones."""
-    kinds = sorted({extent.kind for extent in extents})
+    if size >= len(extents):
+        counts = _apportion([e.work for e in extents], [e.cap for e in extents], size)
+        begins = [0, *accumulate(counts)]
+        return [_cut(extent, range(*ends)) for extent, ends in zip(extents, pairwise(begins))]
+    kinds = sorted({extent.kind for extent in extents})  # gas on the lower ranks
     of_kinds = [[k for k, e in enumerate(extents) if e.kind == kind] for kind in kinds]
     work = [sum(extents[k].work for k in blocks) for blocks in of_kinds]
     loads, ranks, first = [0.0] * size, [0] * len(extents), 0
@@ -172,7 +166,7 @@ def _whole(extents: Sequence[Extent], size: int) -> list[int]:
             ranks[k] = min(range(first, first + count), key=loads.__getitem__)
             loads[ranks[k]] += extents[k].work
         first += count
-    return ranks
+    return [Share((r,), _uncut(extent)) for extent, r in zip(extents, ranks, strict=True)]
 
 
 def _apportion(work: Sequence[float], caps: Sequence[int], size: int) -> list[int]:

@@ -168,17 +168,6 @@ def worst_waves(part: SolidPart, q: Array) -> list[tuple[float, int, list[float]
     return found
 
 
-def what_helps(opt: Mapping[str, Any]) -> str:
-    """Advice after a failure, without options that are in force."""
-    more = {
-        "-fsi_coupling conservative": opt["fsi_coupling"] != "conservative",
-        "-fsi_dissipation 1": opt["fsi_dissipation"] <= 0.0,
-        "-fsi_shock 1": opt["fsi_shock"] == 0.0,
-    }
-    words = " ".join(word for word, lacks in more.items() if lacks)
-    return f"{HELPS}; where there are shocks {words}" if words else HELPS
-
-
 def check(state: State, opt: Mapping[str, Any], t: float, step: int) -> None:
     """Raise ComputationError, or InputError of the first state, if the run cannot go on from the
     state at t [s].
@@ -191,8 +180,14 @@ def check(state: State, opt: Mapping[str, Any], t: float, step: int) -> None:
         state.go_back()
         waves = imaginary_waves(state, float(state.batch[TIME]))
         first = state.repeat(partial(first_bad, state)) or first
-        causes = [*waves.values()] or [what_helps(opt)]
-        raise ComputationError("; ".join([f"{first}, {when}", *causes]))
+        lacks = {  # what is not in force, and helps
+            "-fsi_coupling conservative": opt["fsi_coupling"] != "conservative",
+            "-fsi_dissipation 1": opt["fsi_dissipation"] <= 0.0,
+            "-fsi_shock 1": opt["fsi_shock"] == 0.0,
+        }
+        words = " ".join(word for word in lacks if lacks[word])
+        helps = f"{HELPS}; where there are shocks {words}" if words else HELPS
+        raise ComputationError("; ".join([f"{first}, {when}", *(waves.values() or [helps])]))
     if flags[EXHAUSTED] or flags[TOO_SHORT]:
         raise ComputationError(f"at {when} {state.used_up()}")
 

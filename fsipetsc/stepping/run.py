@@ -41,6 +41,7 @@ from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.notes import first_notes, imaginary_waves, long_steps, steep_waves
 from fsipetsc.stepping.restart import Past
 
+PACKAGES = "fsipetsc", "petsc4py", "mpi4py", "numpy"
 #: before the place of what a run that failed has computed
 REMAINS = "; what was computed before is in "
 #: wall seconds between lines of progress; with -fsi_progress or on a terminal
@@ -147,16 +148,6 @@ def signals_noted(run: Integrator) -> Iterator[None]:
         yield
 
 
-def versions() -> dict[str, str]:
-    packages = "fsipetsc", "petsc4py", "mpi4py", "numpy"
-    return {
-        **{name: import_module(name).__version__ for name in packages},
-        "python": platform.python_version(),
-        "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
-        "mpi": MPI.Get_library_version().split(",")[0].split("\n")[0],
-    }
-
-
 class Run(Integrator):
     """One run: the steps, with messages, a result, checkpoints, and the laws that must hold."""
 
@@ -239,7 +230,12 @@ class Run(Integrator):
             "case": self.name,
             "options": dict(self.opt),
             "dimension": self.problem.dimension,
-            "versions": versions(),
+            "versions": {
+                **{name: import_module(name).__version__ for name in PACKAGES},
+                "python": platform.python_version(),
+                "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
+                "mpi": MPI.Get_library_version().split(",")[0].split("\n")[0],
+            },
             "ranks": self.comm.size,
             "interfaces": self.problem.interface_names,
             **self.state.header(),
