@@ -152,23 +152,20 @@ class Plane(Grid):
         """Fill a^1 = (D_2 y, -D_2 x) and a^2 = (-D_1 y, D_1 x)."""
         self.hull.fill(self.hull.moved, known, 0)
         self.differentiate_faces(self.hull.moved)
-        along, across, G = self.along, self.across, self.slopes
-        n, like, of_row = along.ends.shape[1], self.like, across.ends
+        along, across, like, of_row = self.along, self.across, self.like, self.across.ends
         at_00, at_10, at_01, at_11 = (row(like, self.vertices, k) for k in range(4))
         for j in each(of_row.shape[1]):
             (low, high), at = (of_row[0, j], of_row[1, j]), across.first + j
             (W, E), (D_W, D_E) = pair(across.f, at), pair(across.slope, at)
             start, stop = mixed(low, at_00, high, at_01), mixed(low, at_10, high, at_11)
             rise = sub(sub(E, W), sub(stop, start))
-            for i in each(n, vector=True):
+            for i in each(n := along.ends.shape[1], vector=True):
                 at, (D_S, D_N) = j * n + i, pair(along.slope, along.first + i)
                 x_1, y_1 = add(mixed(low, D_S, high, D_N), rise)
                 of_axis_2 = mixed(along.ends[0, i], D_W, along.ends[1, i], D_E)
                 x_2, y_2 = add(column(like, self.rise, i), of_axis_2)
-                metrics[0, at] = G[3, at] + y_2
-                metrics[1, at] = -(G[2, at] + x_2)
-                metrics[2, at] = -(G[1, at] + y_1)
-                metrics[3, at] = G[0, at] + x_1
+                X_1, Y_1, X_2, Y_2 = column((0.0,) * 4, self.slopes, at)
+                metrics[:4, at] = Y_2 + y_2, -(X_2 + x_2), -(Y_1 + y_1), X_1 + x_1
 
     def differentiate_faces(self, values):
         """Find values (2, H) of the hull at faces and vertices, derivatives along faces, and the
@@ -180,8 +177,7 @@ class Plane(Grid):
                     faces.f[r, i] = values[r % 2, faces.columns[r // 2, i]]
             slopes_along(faces.slope.reshape(-1), faces.f.reshape(-1), faces.S, faces.weight)
         for corner in each(self.corners.shape[0]):
-            for c in range(2):
-                self.vertices[corner, c] = values[c, self.corners[corner]]
+            self.vertices[corner, :] = column(self.like, values, self.corners[corner])
         along, ends, at = self.along, self.along.ends, self.vertices
         for c in range(2):
             at_low, at_high = at[2, c] - at[0, c], at[3, c] - at[1, c]
@@ -275,18 +271,15 @@ class Radial(Grid):
         last, entries, inner = d - 1, (0.0,) * d * d, self.inner
         self.blend.fill(self.hull.moved, self.x, self.wide, self.y)
         for n in each(area.size, vector=True):
-            for c in range(last):
-                self.flat[c, n] = self.x[c, n]
-            r = self.x[last, n]
-            A = abs(r) if kappa == 1 else r * r
-            area[n], self.flat[last, n] = A, A * r / (kappa + 1.0)
+            *z, r = column(self.like, self.x, n)
+            area[n] = A = abs(r) if kappa == 1 else r * r
+            self.flat[:, n] = (*z, A * r / (kappa + 1.0))
         self.differentiate_flat()
         for n in each(area.size, vector=True):
             for k in range(d):
                 for c in range(last):
                     slopes[k * d + c, n] += self.P[k, c]
-            for m, b in enumerate(cofactor(column(entries, slopes, n))):
-                self.b[m, n] = b
+            self.b[:, n] = cofactor(column(entries, slopes, n))
         for i in each(inner.size, vector=True):
             n = inner[i]
             self.source[i] = 0.0
@@ -309,13 +302,12 @@ class Radial(Grid):
         last, entries = d - 1, (0.0,) * d * d
         self.blend.fill(self.hull.moving, v, self.wide)
         for i in each(self.inner.size, vector=True):
-            for c in range(d):
-                metrics[d * d + c, i] = v[c, self.inner[i]]
+            metrics[d * d : d * d + d, i] = column(self.like, v, self.inner[i])
         if d == 1:  # area vectors do not turn
             return
         for n in each(area.size, vector=True):
-            for c in range(d):
-                self.flat[c, n] = v[c, n] * (area[n] if c == last else 1.0)
+            *v_z, v_r = column(self.like, v, n)
+            self.flat[:, n] = (*v_z, v_r * area[n])
         self.differentiate_flat()
         for i in each(self.inner.size, vector=True):
             n = self.inner[i]
