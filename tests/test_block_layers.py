@@ -29,7 +29,7 @@ def seen(found, k):
     names = [block.name for block in found.blocks]
     return {
         face: (names[kind.block], kind.axis, kind.side) if isinstance(kind, Meeting) else kind
-        for face, kind in found.faces_of(k).items()
+        for face, kind in found.kinds[k].items()
     }
 
 

@@ -90,7 +90,7 @@ def test_any_face_meets_any_face_however_it_is_turned(d):
         a, b = box("a", cells), box("b", turned, SOLID, (1.0, 0.0, 0.0)[:d], axes, flips)
         problem = closed(a, b)
         ((face, met),), ((back_face, back),) = (
-            [found for found in problem.faces_of(k).items() if isinstance(found[1], Meeting)]
+            [found for found in problem.kinds[k].items() if isinstance(found[1], Meeting)]
             for k in (0, 1)
         )
         assert face == (0, 1) and (back.block, back.axis, back.side) == (0, 0, 1)

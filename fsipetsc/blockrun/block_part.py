@@ -189,7 +189,7 @@ def _acting(problem: Any, k: int) -> list[tuple[int, int, Any, Effect]]:
     Also interfaces where a solid gets something from outside, and faces that p_ref loads.
     """
     found, p_ref, solid = [], _left_out(problem, k), problem.blocks[k].kind == "solid"
-    for (axis, side), condition in problem.faces_of(k).items():
+    for (axis, side), condition in problem.kinds[k].items():
         met = isinstance(condition, Meeting)
         interface = met and problem.is_interface(k, axis, side)
         supplied = interface and solid and problem.jumps is not None

@@ -145,7 +145,7 @@ class GasPart(BlockPart):
     def _ends(self) -> SimpleNamespace:
         """The ends of all axes here, which are none along a periodic axis and at a centre."""
         problem, part, found = self._problem, self.part, [np.zeros((4, 0))]
-        for (axis, side), what in problem.faces_of(part.k).items():
+        for (axis, side), what in problem.kinds[part.k].items():
             if not isinstance(what, Centre):
                 at, own, axes, signs, per_weight, *_ = nodes_of(problem, part, axis, side)
                 found.append(np.stack([at, own, axes, signs * per_weight]))

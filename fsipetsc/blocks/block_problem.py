@@ -9,7 +9,7 @@ import numpy as np
 
 from fsipetsc.blocks.block import Block, Range, mesh, size_of
 from fsipetsc.blocks.conditions import Centre, Condition, Hinge
-from fsipetsc.blocks.faces import FaceName, Faces, Kinds, Meeting, number_of, united
+from fsipetsc.blocks.faces import FaceName, Faces, Meeting, number_of, united
 from fsipetsc.checks import Array, check_units, described, function, place_text
 from fsipetsc.errors import InputError
 from fsipetsc.materials.own import knows_entropy
@@ -46,8 +46,8 @@ class BlockProblem:
     symmetry: int = 0
 
     def __post_init__(self) -> None:
-        """hinges: (block, node) of points. members, tolerance: the particles of `Faces`, and
-        its tolerance. gas_laws: those of its gases that differ in formulas or numbers, in order.
+        """kinds, tolerance: as of `Faces`. members: its particles. hinges: (block, node) of points.
+        gas_laws: those of its gases that differ in formulas or numbers, in their order.
         """
         self.blocks, self.notes = tuple(self.blocks), tuple(self.notes)
         names = [getattr(block, "name", None) for block in self.blocks]
@@ -60,7 +60,7 @@ class BlockProblem:
         function(self.jumps, "BlockProblem: jumps", optional=True)
         faces = Faces(self.blocks, self.faces)
         self.tolerance, self.members = faces.tolerance, faces.particles
-        self._kinds, self._known = faces.kinds, faces.known
+        self.kinds, self._known = faces.kinds, faces.known
         self._check_symmetry()
         self._find_laws()
         self.hinges = frozenset(self._hinge(*point) for point in self.points)
@@ -80,7 +80,7 @@ class BlockProblem:
 
     def centred(self, k: int) -> bool:
         """Whether block k goes to r = 0, along its last axis."""
-        return isinstance(self._kinds[k].get((self.dimension - 1, 0)), Centre)
+        return isinstance(self.kinds[k].get((self.dimension - 1, 0)), Centre)
 
     def band(self, k: int, order: int, axis: int) -> Band:
         """Pair weights of an axis of block k."""
@@ -91,16 +91,10 @@ class BlockProblem:
 
     # faces
 
-    def faces_of(self, k: int) -> Kinds:
-        """(axis, side) -> what stands at the faces of block k; nothing on a periodic axis."""
-        return self._kinds[k]
-
     @cached_property
     def outer_faces(self) -> dict[tuple[int, int, int], Condition]:
-        """(block, axis, side) -> what stands at the faces that no other one meets; where r = 0 is
-        none.
-        """
-        every = ((k, face, met) for k, own in enumerate(self._kinds) for face, met in own.items())
+        """(block, axis, side) -> what stands at faces that no other one meets, but for r = 0."""
+        every = ((k, face, met) for k, own in enumerate(self.kinds) for face, met in own.items())
         return {(k, *face): c for k, face, c in every if not isinstance(c, (Meeting, Centre))}
 
     @property
@@ -118,12 +112,12 @@ class BlockProblem:
 
     def is_interface(self, k: int, axis: int, side: int) -> bool:
         """Whether gas meets a solid at a face of block k."""
-        kind = self._kinds[k].get((axis, side))
+        kind = self.kinds[k].get((axis, side))
         return isinstance(kind, Meeting) and self.blocks[kind.block].kind != self.blocks[k].kind
 
     def _pairs(self, *kinds: str) -> list[tuple[int, int]]:
         """Blocks of these two kinds that have faces in common."""
-        every = {(k, met) for k, own in enumerate(self._kinds) for met in own.values()}
+        every = {(k, met) for k, own in enumerate(self.kinds) for met in own.values()}
         found = {(k, met.block) for k, met in every if isinstance(met, Meeting)}
         wanted = (pair for pair in found if tuple(self.blocks[k].kind for k in pair) == kinds)
         return sorted(wanted, key=sorted)
@@ -146,7 +140,7 @@ class BlockProblem:
     def interface_faces(self, number: int) -> list[list[int]]:
         """[block, axis, side] of the solid's faces on an interface."""
         gas, k = self.interfaces[number]
-        faces = self.faces_of(k).items()
+        faces = self.kinds[k].items()
         return sorted([k, *f] for f, c in faces if isinstance(c, Meeting) and c.block == gas)
 
     def interface_nodes(self, number: int) -> Array:
@@ -217,11 +211,10 @@ class BlockProblem:
         return all(c.steady for c in self.outer_faces.values()) and not self._forced
 
     def loses(self, k: int) -> bool:
-        """Whether it is known what a step in time loses of the kinetic and elastic energy of block
-        k: a solid with heat 'elastic' whose motion no data replace and no pressure of its heat
-        drives.
+        """Whether it is known what steps lose of the kinetic and elastic energy of block k: a solid
+        with heat 'elastic' whose motion no data replace and no pressure of its heat drives.
         """
-        block, conditions = self.blocks[k], self.faces_of(k).values()
+        block, conditions = self.blocks[k], self.kinds[k].values()
         stores = block.kind == "solid" and block.material.heat == "elastic"
         driven = stores and (block.forcing is not None or block.material.pressing is not None)
         return stores and not driven and not any(getattr(c, "all_given", False) for c in conditions)

@@ -31,7 +31,7 @@ class Meeting:
     side: int
 
 
-#: of the faces (axis, side) of a block
+#: (axis, side) -> what stands there, of the faces of a block; there are none on a periodic axis
 Kinds = dict[tuple[int, int], Condition | Meeting]
 
 

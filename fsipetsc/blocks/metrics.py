@@ -114,8 +114,7 @@ def slopes_along(out, f, S, weight):
     n = weight.shape[0]
     for row in each(f.shape[0] // n):
         a = row * n
-        for i in each(n, vector=True):
-            out[a + i] = 0.0
+        out[a : a + n] = 0.0
         for k in each(1, np.minimum(S.shape[0], n)):
             s, end = S[k], n - k
             for i in each(np.minimum(k, end)):
@@ -134,8 +133,7 @@ def slopes_across(out, f, S, weight, before):
     n = weight.shape[0]
     for row in each(f.shape[0] // before):
         i, a, half = row % n, row * before, 0.5 / weight[row % n]
-        for j in each(before, vector=True):
-            out[a + j] = 0.0
+        out[a : a + before] = 0.0
         for k in each(1, S.shape[0]):
             ahead, behind = pick(i + k < n, k, 0), pick(i >= k, k, 0)
             s = np.where(i + k < n, S[k, i], 0.0)

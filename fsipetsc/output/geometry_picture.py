@@ -52,7 +52,7 @@ def outlines(problem: Problem | BlockProblem, h: float) -> list[Outline]:
 def _of_block(problem: BlockProblem, k: int, h: float) -> Outline:
     block, sides = problem.blocks[k], {}
     X = problem.places_at(k, mesh([np.arange(n + 1) for n in block.cells])).T
-    for face, met in problem.faces_of(k).items():
+    for face, met in problem.kinds[k].items():
         if isinstance(met, Meeting):
             other = problem.blocks[met.block]
             kind = "join" if other.kind == block.kind else "interface"

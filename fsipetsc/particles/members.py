@@ -126,7 +126,7 @@ def particles_of(problem: BlockProblem) -> list[Particle]:
     """All particles of a problem, in the order of their first members. InputError, on all ranks."""
     met: dict[tuple[int, int], list[Face]] = defaultdict(list)
     for k in range(len(problem.blocks)):
-        for (axis, side), stands in problem.faces_of(k).items():
+        for (axis, side), stands in problem.kinds[k].items():
             for n in problem.blocks[k].face_nodes(axis, side).tolist():
                 met[k, n].append(Face(k, n, axis, side, stands))
     return [_particle(problem, members, met) for members in problem.members]
