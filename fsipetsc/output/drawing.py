@@ -132,8 +132,10 @@ def colours(values: Array, signed: bool, name: str, size: float) -> dict[str, An
     sides of 0 get a map of SIGNED, white there, others one of PLAIN; name: of the map. size: of all
     that has the same unit, beside which round-off is nothing.
     """
-    known = values[np.isfinite(values)]
-    low, high = map(float, np.percentile(known, INSIDE)) if known.size else (0.0, 0.0)
+    low, high = extremes(values)
+    inner = np.percentile(values[np.isfinite(values)], INSIDE) if low < high else (low, high)
+    if inner[1] - inner[0] > NOTHING * size:  # else what happens is in few places
+        low, high = map(float, inner)
     if high - low <= NOTHING * size:
         low, high = (0.5 * (low + high) + sign * (0.1 * size or 1.0) for sign in (-1, 1))
     maps = PLAIN
