@@ -30,10 +30,9 @@ from fsipetsc.errors import FileError, InputError
 
 #: nothing here lets a compiler change the order of operations, fuse them, or leave any out
 FLAGS = (
-    *("-std=gnu11", "-O3", "-march=native", "-ffp-contract=off", "-fno-math-errno"),
-    *("-fno-trapping-math", "-fopenmp-simd", "-fPIC", "-shared"),
-    "-Werror=implicit-function-declaration",
-)
+    "-std=gnu11 -O3 -march=native -ffp-contract=off -fno-math-errno -fno-trapping-math "
+    "-fopenmp-simd -fPIC -shared -Werror=implicit-function-declaration"
+).split()
 #: of processors with vectors of 512 bits, which compilers use half of if nobody asks
 WIDE = "-mprefer-vector-width=512"
 #: of gcc, which else moves selections of elementary functions so that loops are no vector code; and
@@ -151,12 +150,15 @@ def kept(name: str) -> Path | None:
 
 
 def keep(name: str, content: bytes) -> Path | None:
-    """Write a file where libraries are kept, and return where; None, with a warning, if it cannot
-    be written.
+    """Write a file where libraries are kept, and return where: who reads it has the old content or
+    the new one. None, with a warning, if it cannot be written.
     """
     path = folder() / name
     try:
-        _write(path, content)
+        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=path.parent) as place:
+            Path(place, name).write_bytes(content)
+            os.replace(Path(place, name), path)
     except OSError as error:
         _warn(f"cannot keep compiled kernels in {path.parent} ({error.strerror})")
         return None
@@ -167,19 +169,6 @@ def keep(name: str, content: bytes) -> Path | None:
 def _warn(text: str) -> None:
     if tells:
         print(f"fsipetsc: warning: {text}", file=sys.stderr)
-
-
-def _write(path: Path, content: bytes) -> None:
-    """Write a file under another name first: who reads it has the old content or the new one."""
-    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-    handle, part = tempfile.mkstemp(dir=path.parent, prefix=f"{path.name}.")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        os.replace(part, path)
-    except OSError:
-        os.unlink(part)
-        raise
 
 
 def made(texts: Sequence[str]) -> list[bytes]:

@@ -109,7 +109,8 @@ class Kernel:
         Returns how many items were counted, of a kernel that counts.
         """
         record, known = recording(), {"n": n, **given}
-        values = [_given(known[name]) for name in sorted(self._arguments)]
+        values = [known[name] for name in sorted(self._arguments)]
+        values = [one if isinstance(one, Symbol) else index_of(one) for one in values]
         call = f"{self.name}({', '.join(['{}'] * len(values))})"
         record.stores += 1
         if self.counted is not None:
@@ -141,12 +142,6 @@ class Kernel:
                 "}\n",
             ]
         )
-
-
-def _given(value: Any) -> Any:
-    """What a call in C has of a number, a whole number, or an array."""
-    pointer = value.pointer() if hasattr(value, "pointer") else value
-    return pointer if isinstance(pointer, Symbol) else index_of(pointer)
 
 
 def _replaced(equations: Any, of: Callable[[float], Any]) -> Any:

@@ -74,9 +74,8 @@ def pick(condition: Any, a: Any, b: Any) -> Index:
 def either(condition: Any, a: "Array", b: "Array") -> "Array":
     """The array a if the condition holds, else b; as a flat array, whose size is not known."""
     name = recording().new("p")
-    recording().line(
-        f"double *const {name} = {{}} ? {{}} : {{}};", condition, a.pointer(), b.pointer()
-    )
+    text = f"double *const {name} = {{}} ? {{}} : {{}};"
+    recording().line(text, condition, index_of(a), index_of(b))
     return Array(name, a.dtype, (None,))
 
 
@@ -201,6 +200,6 @@ def invoke(name: str, address: Any, *arrays: Array) -> None:
     """Call a function in C of the same translation unit with an address, a whole number, and the
     pointers to the first numbers of arrays.
     """
-    values = index_of(address), *(array.pointer() for array in arrays)
+    values = [index_of(value) for value in (address, *arrays)]
     recording().line(f"{name}((void *){', '.join(['{}'] * len(values))});", *values)
     recording().stores += 1

@@ -76,6 +76,8 @@ def is_whole(value: Any, number: int | None) -> bool:
 
 
 def index_of(value: Any) -> Index:
+    """Return a whole number, or where an array begins, as C has it."""
+    value = value.pointer() if hasattr(value, "pointer") else value
     if isinstance(value, Index):
         return value
     if isinstance(value, bool) or not isinstance(value, Integral):
