@@ -21,8 +21,8 @@ from collections.abc import Callable, Sequence
 from importlib.resources import files
 from typing import Any
 
-from fsipetsc.kernels.halves import without_halves
-from fsipetsc.kernels.recording import Index, Line, index_of, printed, recording
+from fsipetsc.kernels.loops import Index, index_of, recording
+from fsipetsc.kernels.printing import Line, printed, without_halves
 from fsipetsc.kernels.symbols import Record, Symbol
 
 # layouts: where component c of an item i stands in an array, as C has it; the caller gives the
@@ -128,7 +128,7 @@ class Kernel:
         within = [symbol for symbol in record.symbols if not symbol.uniform]
         counts = self.counted is not None
         loop = f'ITEMS("omp simd{" reduction(+ : counted)" * counts}",'
-        items = *before, Line(loop), *within, *stores, Line(")")
+        items = [*before, Line(loop), *within, *stores, Line(")")]
         given = (f"{kind}{name}" for name, kind in sorted(self._arguments.items()))
         return "\n".join(
             [
@@ -137,7 +137,7 @@ class Kernel:
                 "    " + ",\n    ".join(given) + ") {",
                 *(f"  const long {name} = {text};" for name, text in self._distances.items()),
                 *["  long counted = 0;"] * counts,
-                *printed(record, items, values),
+                *printed(record, items),
                 *["  return counted;"] * counts,
                 "}\n",
             ]

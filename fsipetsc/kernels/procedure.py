@@ -26,8 +26,8 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.kernels.kernel import unit
-from fsipetsc.kernels.loops import KINDS, Array
-from fsipetsc.kernels.recording import Index, Recording, printed, recorded
+from fsipetsc.kernels.loops import KINDS, Array, Index, Recording, recorded
+from fsipetsc.kernels.printing import printed
 
 _POINTER, _ZERO = ctypes.c_void_p, np.zeros(1)
 
@@ -104,8 +104,7 @@ class Procedure(Called):
         return name
 
     def _text(self, says: str, record: Recording) -> str:
-        named = (s for s in record.symbols if s.operation == "given" and s.uniform)
-        lines = printed(record, record.items, record.wanted, named)
+        lines = printed(record, record.items)
         found = set(re.findall(r"\w+", "\n".join(lines)))
         self._used = {name: value for name, value in self._values.items() if name in found}
         kinds = {name: _kind(value) for name, value in self._used.items()}

@@ -1,16 +1,98 @@
-"""Powers of two leave products: a mean of means takes one multiplication by 1/4, not three by 1/2.
+"""How what is recorded is printed as C: numbers once and in their order, sums fused with products.
 
-Each symbol of a record is written as 2^e times another one. Products add the exponents e, sums of
-terms with one exponent keep it, and what remains is multiplied at the end, at best to what all
-nodes share, before the loop. All of it is exact, but where a number is beyond the largest or below
-the least normal one. Sums may be fused with other products than those of the record.
+Before that powers of two leave the products of a kernel: a mean of means takes one multiplication
+by 1/4, not three by 1/2. Each symbol of a record is written as 2^e times another one. Products add
+the exponents e, sums of terms with one exponent keep it, and what remains is multiplied at the end,
+at best to what all nodes share, before the loop. All of it is exact, but where a number is beyond
+the largest or below the least normal one. Sums may be fused with other products than those of the
+record.
 """
 
 from collections import Counter
 from collections.abc import Sequence
 from math import frexp
+from typing import Any, NamedTuple
 
-from fsipetsc.kernels.symbols import Record, Symbol, needed, uses_of
+from fsipetsc.kernels.symbols import CONDITIONS, Record, Symbol, needed, uses_of
+
+
+class Line(NamedTuple):
+    """A line of C. form: has {} where values, or texts, stand."""
+
+    form: str
+    values: tuple[Any, ...] = ()
+
+
+#: what an operation is in C, if it is no function; also sums that are fused with a product
+_FORMS = {
+    **{name: f"{{0}} {name} {{1}}" for name in ("+", "-", "*", "/", *"<>", "<=", ">=", "==", "!=")},
+    **{"&": "{0} & {1}", "|": "{0} | {1}", "not": "!{0}"},
+    **{"neg": "-{0}", "abs": "fabs({0})", "sqrt": "sqrt({0})", "where": "{0} ? {1} : {2}"},
+    **{"a b + c": "fma({0}, {1}, {2})", "a b - c": "fma({0}, {1}, -{2})"},
+    "c - a b": "fma(-{0}, {1}, {2})",
+}
+
+
+def printed(record: Record, items: Sequence[Symbol | Line]) -> list[str]:
+    """Lines of C: the lines among the items, and before them each symbol that they need, where it
+    was made.
+    """
+    names = dict[int, str]()
+    for symbol in record.symbols:
+        if symbol.value is not None:
+            names[symbol.number] = _constant(symbol.value)
+        elif symbol.uniform and symbol.text.isidentifier():
+            names[symbol.number] = symbol.text
+    taken = (value for item in items if isinstance(item, Line) for value in item.values)
+    uses = uses_of([value for value in taken if isinstance(value, Symbol)])
+    lines, inside = list[str](), 1
+    sums = (symbol for symbol in record.symbols if symbol.number in uses)
+    fused = {symbol.number: found for symbol in sums if (found := _fused(symbol, uses))}
+    left_out = {*names, *(product.number for product, *_ in fused.values())}
+    for item in items:
+        if isinstance(item, Line):
+            given = (names[v.number] if isinstance(v, Symbol) else v for v in item.values)
+            text = item.form.format(*given)
+        elif item.number in uses and item.number not in left_out:
+            plain = None, item.operation, item.operands
+            _, operation, operands = fused.get(item.number, plain)
+            given = [names[operand.number] for operand in operands]
+            form = _FORMS.get(operation, f"{operation}_({', '.join(given)})")
+            kind = "int" if item.operation in CONDITIONS else "double"
+            text = f"const {kind} t{item.number} = {item.text or form.format(*given)};"
+            names[item.number] = f"t{item.number}"
+        else:
+            continue
+        inside -= text.startswith(("}", ")"))
+        lines.append("  " * inside + text)
+        inside += text.endswith(("{", ","))
+    return lines
+
+
+def _fused(symbol: Symbol, uses: dict[int, int]) -> Any:
+    """The product that a sum is fused with, its last operand that nothing else takes, and operation
+    and operands of both; None if there is none. What is exact is not fused.
+    """
+    exact = symbol.record.exact
+    if symbol.operation not in ("+", "-") or symbol.number in exact:
+        return None
+    first, second = symbol.operands
+    for product, other, minus in ((second, first, "c - a b"), (first, second, "a b - c")):
+        alone = product.operation == "*" and uses[product.number] == 1
+        if alone and not product.uniform and product.number not in exact:
+            operation = "a b + c" if symbol.operation == "+" else minus
+            return product, operation, (*product.operands, other)
+    return None
+
+
+def _constant(value: float | None) -> str:
+    """A constant in C, to the last bit."""
+    text = repr(value)
+    text = {"inf": "INFINITY", "-inf": "(-INFINITY)", "nan": "NAN"}.get(text, text)
+    return f"({text})" if text[0] == "-" else text
+
+
+# --- powers of two
 
 
 def _power_of(value: float | None) -> int | None:
