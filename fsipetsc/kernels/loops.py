@@ -151,8 +151,8 @@ class Recording(Record):
         self.line(f"const long {name} = {form};", *values)
         return Index(name)
 
-    def open(self, head: str) -> None:
-        self.line(f"{head} {{{{")
+    def open(self, head: str, *values: Any) -> None:
+        self.line(f"{head} {{{{", *values)
         self._within.append([])
 
     def close(self) -> None:
@@ -208,9 +208,7 @@ def when(condition: Any) -> Iterator[None]:
     record = recording()
     if isinstance(condition, (bool, np.bool_)):
         raise refuse("the condition is known when it is recorded: write `if`")
-    name = record.new("c")
-    record.line(f"const int {name} = {{}};", condition)
-    record.open(f"if ({name})")
+    record.open("if ({})", condition)
     yield
     record.close()
 

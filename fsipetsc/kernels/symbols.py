@@ -232,17 +232,11 @@ def _power(record: Record, base: Any, exponent: Any) -> Any:
     base, n = record.constant(base), record.constant(exponent).value
     if n is None or not abs(n) <= MOST_FACTORS or (n != int(n) and abs(n) != 0.5):
         return record.apply("pow", base, exponent)
-    found = record.apply("sqrt", base) if abs(n) == 0.5 else _product(record, base, int(abs(n)))
+    found = base if n else record.constant(1.0)
+    for bit in f"{int(abs(n)):b}"[1:]:
+        found = found * found * base if bit == "1" else found * found
+    found = record.apply("sqrt", base) if abs(n) == 0.5 else found
     return found if n >= 0.0 else record.apply("/", 1.0, found)
-
-
-def _product(record: Record, base: Symbol, n: int) -> Symbol:
-    """Return base^n, by repeated squaring."""
-    if n < 2:
-        return base if n else record.constant(1.0)
-    half = _product(record, base, n // 2)
-    square = record.apply("*", half, half)
-    return record.apply("*", square, base) if n % 2 else square
 
 
 # --- derivatives
