@@ -32,9 +32,8 @@ def at_wall(x, velocity=None, T=None):
 
 def data_of(state):
     parts = state.parts.values()
-    records = (part.faces.record for part in parts if part.faces.record)
-    faces = [of for record in records for of in vars(record).values()]
-    faces = [of for of in faces if isinstance(of, np.ndarray)]
+    records = [vars(part.faces.record).values() for part in parts if part.faces.record]
+    faces = [of for record in records for of in record if isinstance(of, np.ndarray)]
     forcing = [part.forcing for part in parts if part.forcing is not None]
     prescribed = state.particles.prescribed
     return [*prescribed.data, *faces, *forcing]

@@ -122,10 +122,8 @@ def seen_at(part, q, metrics, own, n):
     gas, d, convection, squares = part.laws, len(part.like), 0.0, 0.0
     here = row((0.0,) * (d + 3), q, own)
     w, per_J = gas.primitive(here), 1.0 / here[0]
-    c, relative = (
-        gas.speed_of_sound(w),
-        sub(gas.velocity(w), column(part.like, metrics, n, d * d)),
-    )
+    c, v = gas.speed_of_sound(w), column(part.like, metrics, n, d * d)
+    relative = sub(gas.velocity(w), v)
     for k, per_h in enumerate(part.per_h[k] for k in range(d)):
         a = column(part.like, metrics, n, k * d)
         size = dot(a, a) * per_h * per_h
