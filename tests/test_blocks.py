@@ -94,7 +94,7 @@ def test_any_face_meets_any_face_however_it_is_turned(d):
             for k in (0, 1)
         )
         assert face == (0, 1) and (back.block, back.axis, back.side) == (0, 0, 1)
-        assert (met.block, met.axis, met.side) == (1, *back_face) and problem.is_interface(0, 0, 1)
+        assert (met.block, met.axis, met.side) == (1, *back_face) and problem.interfaces == [(0, 1)]
         other, mine = partners(problem), problem.blocks[0].face_nodes(0, 1)
         others = [other[n] for n in mine.tolist()]
         assert np.array_equal(problem.places(0, mine), problem.places(1, others))

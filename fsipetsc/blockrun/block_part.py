@@ -191,8 +191,8 @@ def _acting(problem: Any, k: int) -> list[tuple[int, int, Any, Effect]]:
     found, p_ref, solid = [], _left_out(problem, k), problem.blocks[k].kind == "solid"
     for (axis, side), condition in problem.kinds[k].items():
         met = isinstance(condition, Meeting)
-        interface = met and problem.is_interface(k, axis, side)
-        supplied = interface and solid and problem.jumps is not None
+        to_gas = met and problem.blocks[condition.block].kind == "fluid"
+        supplied = to_gas and solid and problem.jumps is not None
         beyond = _left_out(problem, condition.block) if met else 0.0
         pressed = (met or condition.loaded) and p_ref not in (0.0, beyond)
         effect = None if met else condition.effect

@@ -110,11 +110,6 @@ class BlockProblem:
         names = (f"{self.blocks[k].name}, axis {a}, side {side}" for k, a, side in self.outer_faces)
         return [*names, "through no face"]
 
-    def is_interface(self, k: int, axis: int, side: int) -> bool:
-        """Whether gas meets a solid at a face of block k."""
-        kind = self.kinds[k].get((axis, side))
-        return isinstance(kind, Meeting) and self.blocks[kind.block].kind != self.blocks[k].kind
-
     def _pairs(self, *kinds: str) -> list[tuple[int, int]]:
         """Blocks of these two kinds that have faces in common."""
         every = {(k, met) for k, own in enumerate(self.kinds) for met in own.values()}
