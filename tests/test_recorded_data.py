@@ -77,7 +77,7 @@ def test_velocity_and_acceleration_of_a_wall_are_exact_derivatives(t):
         _, _ = asked_and_recorded(state, t)
         complete(state, t, state.y)
         prescribed = state.particles.prescribed
-        (p,) = np.flatnonzero(state.particles.record.moves)
+        (p,) = np.flatnonzero(state.particles.record.facts.moves)
         found = (array[p, 0] for array in prescribed.data[:3])
         wanted = x(t), v(t), -w * w * x(t)
         np.testing.assert_allclose(list(found), wanted, rtol=1e-15, atol=2e-16)
@@ -104,7 +104,7 @@ def test_python_is_asked_for_other_functions(name):
     assert "in each stage" in asked_data(state)[0] and why in asked_data(state)[0]
     complete(state, 0.3, state.y)
     found = state.particles.record
-    assert found.data.place[found.moves == 1, 0] == x(0.3)
+    assert found.data.place[found.facts.moves == 1, 0] == x(0.3)
 
 
 # runs

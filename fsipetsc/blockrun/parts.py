@@ -158,7 +158,8 @@ class GasPart(BlockPart):
         X = self.X[:, self.owned]
         rho, *u, T = block_values(self.block, "initial", X, t)
         check_inverses(self.equations.law, rho, T, f"the law of the gas '{self.block.name}'")
-        for c, values in enumerate(self.equations.conserved(1.0, rho, tuple(u), T)):
+        U = self.equations.densities(self.equations.state(rho, tuple(u), T))
+        for c, values in enumerate((1.0, *U)):
             q[:, c] = values
 
     def begin_at_walls(self, q: Array, nodes: Array, u: Array) -> None:

@@ -1,12 +1,10 @@
 """exp, log, tanh and power of numpy arrays that have the same bits on any machine.
 
-The last bits of numpy's depend on the processor. Here they are +, -, *, / and exact operations,
-each of which has one right result everywhere. Cases take them for initial states, forcing and exact
-solutions. In formulas that are recorded numpy's names stand for functions in C that have the same
-bits anyway (kernels/prelude.h).
+The last bits of numpy's depend on the processor; here they are made of +, -, *, / and exact
+operations. Cases take them for initial states, forcing and exact solutions. In formulas that are
+recorded numpy's names stand for functions in C with the same bits anywhere (kernels/prelude.h).
 
-exp and log are those of FDLIBM (e_exp.c, e_log.c, Sun Microsystems 1993), whose coefficients these
-are. Subnormal results and arguments are not meant.
+exp and log are those of FDLIBM (e_exp.c, e_log.c, Sun Microsystems 1993) but for subnormal numbers.
 """
 
 from typing import Any
@@ -37,8 +35,8 @@ def exp(x: Any) -> Any:
 
 
 def log(x: Any) -> Any:
-    """ln x of a positive number or an array, of its shape, with an error below 1 unit in the last
-    place. It is -inf at 0 and nan below.
+    """ln x of a number or an array, of its shape, with an error below 1 unit in the last place;
+    -inf at 0 and nan below.
 
     ln x = k ln 2 + ln(1 + f), 1 + f between sqrt(1/2) and sqrt(2).
     """
@@ -53,9 +51,7 @@ def log(x: Any) -> Any:
 
 
 def power(a: Any, b: Any) -> Any:
-    """a^b of numbers or arrays of one shape, a above 0: exp(b log a), with an error of
-    |b log a| 2^-53 relative to the result.
-    """
+    """a^b of numbers or arrays of one shape, a above 0; relative error: |b log a| 2^-53."""
     return exp(b * log(a))
 
 

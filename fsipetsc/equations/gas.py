@@ -21,20 +21,16 @@ gas (H. Ranocha, Generalised summation-by-parts operators and entropy stability,
 G. Schnücke et al., J. Sci. Comput. 82, 2020) and for a stiffened gas, where p_inf adds constants to
 f and U. Any other gas law wants the mean flux {a . f} - g {U}.
 
-The body force has the potential Phi = - b . x. With F it enters pair by pair: J s of a node i is
+The body force has the potential Phi = - b . x. With F it enters pair by pair, so that gas at rest
+stays so (M. Waruszewski et al., J. Comput. Phys. 468, 2022): J s of a node i is
 
     Q_i = - sum_l S_il {a} rho^ (Phi_l - Phi_i)/2 / weight_i,    and its power Q_i . u_i
-
-A perfect or stiffened gas of uniform temperature with rho proportional to exp(-Phi/(R T)) stays at
-rest: F and Q cancel in each pair but for a p_i. On a grid at rest energy and rho Phi together are
-kept, and the entropy gets nothing (M. Waruszewski et al., J. Comput. Phys. 468, 2022;
-docs/derivation.md).
 
 Gradients are those of the entropy variables (u, -1)/T, because then viscosity and conduction
 produce entropy at each node: grad u = T (grad (u/T) + u grad (-1/T)), grad T = T^2 grad (-1/T).
 
-The unknowns of a node are q = (J, J rho, J rho u, J E). w = (rho, p, T, u_1 … u_d, 1/rho, 1/T) are
-its primitive variables, with the reciprocals that two-point fluxes need.
+The unknowns of a node are q = (J, J rho, J rho u, J E), its primitive variables with reciprocals
+w = (rho, p, T, u_1 … u_d, 1/rho, 1/T).
 
 Logarithmic means are (a - b)/(ln a - ln b). With x = ln(a/b) and the distance z = a/b + b/a - 2 =
 4 sinh(x/2)^2,
@@ -42,8 +38,7 @@ Logarithmic means are (a - b)/(ln a - ln b). With x = ln(a/b) and the distance z
     mean of a and b                  (a + b)/2 A(z),    A = tanh(x/2) / (x/2)
     1 / (mean of 1/a and 1/b)        (a + b)/2 B(z),    B = x / sinh(x)
 
-Both are analytic in z. Where 1/a and 1/b are known, near numbers need neither a division nor a
-logarithm; near equality z loses digits, but then nothing depends on it. With
+Near numbers so need neither a division nor a logarithm. With
 arcsinh(y) / (y sqrt(1 + y^2)) = sum_n (-4 y^2)^n n!^2 / (2n + 1)! and y^2 = z/4,
 
     B = sum_n (-z)^n n!^2 / (2n + 1)!,    A = 1 / ((1 + z/4) B).
@@ -141,10 +136,6 @@ class Gas(NamedTuple):
         energy = self.law.energy_density(rho, w[2]) + 0.5 * rho * dot(u, u)
         return (rho, *scale(rho, u), energy)
 
-    def conserved(self, J, rho, u, T):
-        energy = self.law.energy_density(rho, T) + 0.5 * rho * dot(u, u)
-        return (J, J * rho, *scale(J * rho, u), J * energy)
-
     def flux(self, w, a):
         """a . f, the inviscid flux through the area a at rest."""
         p, u, U = w[1], w[3:-2], self.densities(w)
@@ -187,7 +178,7 @@ class Gas(NamedTuple):
         return (mass, *momentum, energy + 0.5 * (l[1] * through_r + r[1] * through_l))
 
     def pair_force(self, l, r, a_l, a_r, rise, near):
-        """{a} rho^ (Phi_r - Phi_l)/2 of two nodes, for both; rise: Phi_r - Phi_l."""
+        """{a} rho^ rise/2 of two nodes, for both; rise: Phi_r - Phi_l."""
         return scale(0.5 * self.mean_density(l, r, near) * rise, mean(a_l, a_r))
 
     def pair_distance(self, l, r):
@@ -206,7 +197,7 @@ class Gas(NamedTuple):
         return (*scale(w[-1], w[3:-2]), -w[-1])
 
     def first_entropy_variable(self, w):
-        """(e + p/rho - |u|^2/2)/T - s, the one of mass; all d + 2 are -d(rho s)/dU."""
+        """(e + p/rho - |u|^2/2)/T - s."""
         u = w[3:-2]
         h = (self.law.energy_density(w[0], w[2]) + w[1]) * w[-2]
         return (h - 0.5 * dot(u, u)) * w[-1] - self.law.entropy(w[0], w[2])
@@ -252,9 +243,7 @@ class Gas(NamedTuple):
         return (*traction, dot(traction, w[3:-2]) + dot(conduction, a))
 
     def raised(self, w, rise):
-        """w where the potential is more by `rise`, of the same velocity and temperature, at rest in
-        the body force: rho exp(-rise/(R T)), R T = dp/drho at constant T.
-        """
+        """w where the potential is more by `rise`, for gas at rest: rho exp(-rise/(R T))."""
         factor = np.exp(-rise * w[0] / self.law.bulk_modulus(w[0], w[2]))
         return self.state(w[0] * factor, w[3:-2], w[2])
 

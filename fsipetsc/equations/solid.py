@@ -6,9 +6,7 @@
 
 D = x - X: displacement, v: velocity, e: total energy per mass, b: body force per mass. With heat
 'coupled', e = |v|^2/2 + alpha T: the work of the stresses becomes heat (Sjögreen and Banks 2012,
-(3.1c)). With heat 'elastic', e = |v|^2/2 + W/m0 + alpha T: W is an energy of its own. These are
-different solids. e is linear in what is conserved, so that every Runge–Kutta method conserves it; T
-follows from it.
+(3.1c)). With heat 'elastic', e = |v|^2/2 + W/m0 + alpha T: W is an energy of its own.
 
 On a curved reference map X(xi) with A^k = J0 (dX/dxi)^-T e_k, J0 = det dX/dxi,
 
@@ -24,8 +22,7 @@ Around an axis (kappa = 1) or a centre (2) the last coordinate is a radius, r at
 
 P_o is the last entry of the stress of an ordinary law, in kappa + d dimensions, at F and lambda[,
 lambda] on the diagonal: in one dimension around an axis strain is plane. What the hoop stress takes
-from the motion is stored or becomes heat at the node itself, so that it does not change e. Rest is
-F = 1 to the last bit. Source: docs/derivation.md, Solid.
+from the motion is stored or becomes heat at the node itself. Source: docs/derivation.md, Solid.
 """
 
 from math import isqrt
@@ -57,8 +54,8 @@ class Solid(NamedTuple):
     pressure [Pa] on faces that is no part of the stress; both around an axis or a centre alone.
 
     Formulas take F with lambda as its last number, where there are hoops. N, v, gradients and what
-    formulas return have d dimensions, unless they say otherwise: the energy W [J/m3], the volume J,
-    the temperature [K], pressures and stresses [Pa].
+    formulas return have d dimensions, unless they say otherwise: energy W [J/m3], volume J,
+    temperature [K], pressures and stresses [Pa].
     """
 
     law: Any
@@ -85,9 +82,7 @@ class Solid(NamedTuple):
         return 1.0 if kappa == 0 else x[-1] if kappa == 1 else x[-1] * x[-1]
 
     def flat(self, x):
-        """A place in the coordinates whose metrics they have otherwise: around an axis or a centre
-        (z, s), see fsipetsc.blocks.grid.
-        """
+        """A place; around an axis or a centre (z, s), see fsipetsc.blocks.grid."""
         return last_times(self.weight(x) / (len(self.around) + 1), x)
 
     def with_hoops(self, F, D, R):
@@ -100,9 +95,8 @@ class Solid(NamedTuple):
         return add_last(-len(self.around) * P / (self.m0 * R), acceleration)
 
     def curvature(self, R):
-        """What hoop stress adds to the squared wave number that bounds a step [1/m2]:
-        (kappa/(2 R))^2. With it, omega dt of a node at R = h/2 is at most 2.7 for the longest
-        step; RK4 allows 2.8.
+        """What hoop stress adds to the squared wave number that bounds a step [1/m2]: with it,
+        omega dt of a node at R = h/2 is at most 2.7 for the longest step; RK4 allows 2.8.
         """
         return (0.5 * len(self.around) / R) ** 2
 

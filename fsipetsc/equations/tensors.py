@@ -1,7 +1,4 @@
-"""Tensors as flat tuples of d*d numbers, row by row: F = (F_11, F_12, …, F_dd), d = 1, 2, 3.
-
-d follows from the length. Sums are added in the order of their indices.
-"""
+"""Tensors as flat tuples of d*d numbers, row by row: F = (F_11, F_12, …, F_dd), d = 1, 2, 3."""
 
 from math import isqrt
 from typing import Any
@@ -80,11 +77,8 @@ def determinant(F: Tensor) -> Any:
     return total(F[j] * _cofactor(F, 0, j) for j in range(3))
 
 
-# without cancellation near the unit tensor
-
-
 def determinant_excess(F: Tensor) -> Any:
-    """det F - 1."""
+    """det F - 1 without cancellation near the unit tensor, as in the next ones."""
     if len(F) == 1:
         return F[0] - 1.0
     if len(F) == 4:
@@ -126,9 +120,6 @@ def shear_excess(F: Tensor) -> Any:
     return -(second + third)
 
 
-# bounds
-
-
 def largest_eigenvalue(B):
     """An upper bound of the eigenvalues of a positive tensor, exact for a diagonal one: the right
     end of Gershgorin's circles.
@@ -145,8 +136,6 @@ def largest_stretch(F):
     return largest_eigenvalue(product(transpose(F), F))
 
 
-# square roots
-
 #: of Jacobi's rotations in one, two and three dimensions
 ROTATIONS = 0, 1, 18
 #: eigenvalues below this part of the largest one are round-off of 0
@@ -158,8 +147,8 @@ def square_root(A):
     tensor; eigenvalues below 0 count as 0.
 
     Jacobi's rotations make A diagonal (G. H. Golub and C. F. Van Loan, Matrix Computations, section
-    8.5), in one and two dimensions as a part of three: some ten, more of them change round-off
-    alone. The closed formula for three eigenvalues loses half of the digits where two are equal.
+    8.5), in one and two dimensions as a part of three. The closed formula for three eigenvalues
+    loses half of the digits where two are equal.
     """
     d, pairs = isqrt(len(A)), ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
     p, q, r, pq, pr, qr = (A[i * d + j] if max(i, j) < d else 0.0 * A[0] for i, j in pairs)

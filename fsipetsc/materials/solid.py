@@ -34,8 +34,8 @@ class ElasticSolid:
         heat: "coupled": the work of stresses becomes heat; "elastic": the elastic energy is stored
             beside the heat.
         force: body force per mass [m/s2], a number in one dimension, else d numbers.
-        pressing: None, or what `gruneisen`, `mie_gruneisen` or `pressure_law` returns, which adds
-            -p cof F to the stress.
+        pressing: None, or a law such as `gruneisen` or `mie_gruneisen`, which adds -p cof F to the
+            stress.
     """
 
     mu_e: float
@@ -115,17 +115,12 @@ class Elastic(NamedTuple):
     def pressure(self, T, x_X):
         return self.law.pressure(x_X, T, self.m0, self.alpha)
 
-    def pressure_by_temperature(self, T, x_X):
-        return self.law.pressure_by_temperature(x_X, T, self.m0, self.alpha)
-
-    def stiffness(self, T, x_X):
-        return self.law.stiffness(x_X, T, self.m0, self.alpha)
-
     def wave_modulus(self, T, p, sigma, x_X):
         """m0 c^2 [Pa] of elastic waves in Lagrangian coordinates: what (3.1b-d) make of
         (sigma - p)_t over u_X, (K - x_X p_x + x_X p_T (p - sigma)/(alpha m0))/x_X."""
-        p_T, heat = self.pressure_by_temperature(T, x_X), self.alpha * self.m0
-        return (self.K + self.stiffness(T, x_X) + x_X * p_T * (p - sigma) / heat) / x_X
+        at, heat = (x_X, T, self.m0, self.alpha), self.alpha * self.m0
+        p_T, stiffness = self.law.pressure_by_temperature(*at), self.law.stiffness(*at)
+        return (self.K + stiffness + x_X * p_T * (p - sigma) / heat) / x_X
 
 
 @dataclass(frozen=True)
@@ -143,7 +138,7 @@ class Solid:
         alpha: specific heat [J/(kg K)].
         force: body force per mass [m/s2].
         gruneisen: G of the pressure p = G rho alpha T; 0: p = 0.
-        pressing: its law without gruneisen, as `mie_gruneisen` and `pressure_law` return it.
+        pressing: its law without gruneisen, such as `mie_gruneisen`.
     """
 
     K: float

@@ -53,8 +53,7 @@ class Band(NamedTuple):
 
     def interior(self, pairs: int) -> tuple[int, int]:
         """First node and first beyond of those around the middle that have so many pairs on each
-        side, the same on both sides and for all; equal numbers if there are none. The middle of
-        a rank's part of a block is in the interior: it is longer than twice a closure.
+        side, the same on both sides and for all; equal numbers if there are none.
         """
         n, wanted = len(self.weight), self.S[:, len(self.weight) // 2]
         differs = self.weight != self.weight[n // 2]
@@ -97,11 +96,8 @@ def band(order: int, cells: int, periodic: bool = False) -> Band:
 
 def centred_band(order: int, cells: int, kappa: int) -> Band:
     """That of an axis which goes on beyond its first node to its mirror image, half a cell before
-    it: node -1 - i is the image of node i. Around an axis (kappa = 1) nodes beside it have
-    weights of their own, AXIS.
-
-    Images come after the nodes, so that ``part`` finds them at numbers below 0. The spacing is
-    that of ``band``.
+    it: node -1 - i is the image of node i. Images come after the nodes, so that ``part`` finds them
+    at numbers below 0. Around an axis (kappa = 1) nodes beside it have the weights AXIS.
     """
     n, whole = cells + 1, band(order, 2 * cells + 1)
     weight = whole.weight * ((2 * cells + 1) / cells)
@@ -120,10 +116,8 @@ def _pairs(text: str) -> dict[tuple[int, int], Fraction]:
 
 #: Weights S_il, i < l, of pairs of nodes beside an axis, where areas are A = |r|, by interior
 #: order. Node -1 - j is the image of node j, and S_(-1-l)(-1-i) = S_il. All other pairs have the
-#: weights of a plane.
-#: |r| has a kink at r = 0. With the weights of a plane div u of u = r is wrong by 4 to 9 % at the
-#: first node on any grid, velocities there have order 1, and frequencies order 4. With these, on
-#: r = 1/2, 3/2, ... and with J = D (r A/2),
+#: weights of a plane, with which div u of u = r is wrong by 4 to 9 % at the first node on any grid,
+#: as |r| has a kink at r = 0. With these, on r = 1/2, 3/2, ... and with J = D (r A/2),
 #:
 #:     sum_l S_il                             = 0
 #:     sum_l S_il (A_i + A_l) (p_l - p_i) / 4 = J_i 2 r_i    for p = r^2
@@ -184,8 +178,7 @@ class Differences(NamedTuple):
         (Delta_q f)_i = sum_m (-1)^(q - m) C(q, m) f_(i + m),    m = 0 … q,    of nodes in the block
 
     Dissipation takes H^-1 Delta_q^T F from the rates, with F of each difference. Next to ends a
-    difference counts as much as the least norm of its nodes, or it would be stiffer there. They end
-    where a block does; a node of a join has those of both sides.
+    difference counts as much as the least norm of its nodes, or it would be stiffer there.
 
     weights: (q + 1) numbers of a difference. strides: of the axes in memory. norm: (axes, N) the
     least norm of the nodes of the difference that begins at a node, 0 where it does not fit.

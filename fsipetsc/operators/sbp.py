@@ -10,10 +10,8 @@ The norm, the stencil, and the entries of Q that accuracy leaves free are writte
 follows by linear equations. The free entries, Q_ij with s < i < j < r (counted from 0):
 
 6/3  One. It minimises sum_i H_i e_i^2, e being the truncation error of the closure on x^4.
-8/4  Three. The truncation error on x^5 does not change along (Q_56, Q_57, Q_67) = (21, -6, 1) t.
-     The spectral radius of hD, with the inflow point removed, does, from 1.72 to more than 8: it
-     shows in the time step alone. The values below keep it under that of the interior stencil
-     (1.73), with an error within 1 % of the smallest possible.
+8/4  Three. They keep the spectral radius of hD, with the inflow point removed, under that of the
+     interior stencil (1.73), with an error on x^5 within 1 % of the smallest possible.
 
 Sources: H.-O. Kreiss and G. Scherer, in Mathematical Aspects of Finite Elements in Partial
 Differential Equations (1974), 195-212 (existence, norms); B. Strand, J. Comput. Phys. 110 (1994),
@@ -39,8 +37,7 @@ STIFFNESS_OF_WIDE = 2.0
 class SBPOperator:
     """A diagonal-norm SBP first derivative on n equidistant points, closed at both ends.
 
-    Exact coefficients, all for h = 1 and the left end, whose points are counted from 0; at the
-    right end columns are mirrored and signs change.
+    Exact coefficients for h = 1 and the left end, whose points are counted from 0.
 
     norm: (rows,) weights at the points of the closure, 1 elsewhere. interior: (p,) weights of
     v[i+1], v[i+2], ...; those of v[i-1], ... are their negatives. free: entries (i, j), i < j, of Q

@@ -218,9 +218,10 @@ def project(of):
     # the state that the weights belong to
     rho, (u, T), T_s = f[1, 0], of.gas_at(1), s[0, 2]
     bulk, p_T = gas.law.bulk_modulus(rho, T), gas.law.pressure_by_temperature(rho, T)
-    K, c, tau_f, tau_s = solid.K, solid.pressure_by_temperature(T_s, x_X), 0.0, 0.0
+    at, K, tau_f, tau_s = (x_X, T_s, solid.m0, solid.alpha), solid.K, 0.0, 0.0
+    c = solid.law.pressure_by_temperature(*at)
     if of.kind == "energy":
-        K = (solid.K + solid.stiffness(T_s, x_X)) / x_X
+        K = (solid.K + solid.law.stiffness(*at)) / x_X
         tau_f, tau_s = T / (rho * gas.law.heat_capacity(rho, T)), T / (solid.alpha * solid.m0)
     T_f = of.gas_at(0)[1]
     mu, kappa, k_s = gas.viscosity(T_f), gas.conductivity(T_f), solid.kappa_e / x_X

@@ -1,5 +1,18 @@
-"""Constraints of a particle: of its motion by Gauss's principle, see fsipetsc.particles.procedures,
-and of temperatures: one of gas and solid where both conduct, or those that are given.
+"""Constraints of a particle: of its motion, and of temperatures: one of gas and solid where both
+conduct, or those that are given.
+
+With a_g = (R_m - u R_rho)/M and a_s = F/M_s the accelerations without constraints, Gauss's
+principle minimises
+
+    1/2 M |a_g' - a_g|^2 + 1/2 M_s |a_s' - a_s|^2     where     G_c . a_g' + S_c . a_s' = b_c:
+
+forces pi_c G_c on the gas and pi_c S_c on the solid, with pi from the symmetric system
+
+    sum_e (G_c . G_e / M + S_c . S_e / M_s) pi_e  =  b_c - G_c . a_g - S_c . a_s.
+
+G_c is the sum of the area vectors of gas faces, S_c minus that of those at a solid, G_c + S_c so
+that of walls: what they push comes in from outside. Sticking gas and solid are one body of mass M +
+M_s. A body whose motion is given counts as infinitely heavy.
 
 one: the facts of a particle; p: its number. Accelerations, or velocities, a of the gas and b of the
 solid are lists of variables where constraints change them.
@@ -42,9 +55,9 @@ def solve(record, p, one, M, M_s, a, b):
     wanted_c, which record.pi has, and which becomes pi.
     """
     like, normals, pi, A, K = record.like, record.normals, record.pi, record.matrix, one.count
-    sticks, free_gas = one.sticks == 1, one.free_gas == 1
-    per_gas = np.where((M > 0.0) & free_gas, 1.0 / M, 0.0)
-    per_gas = np.where(sticks, np.where(free_gas, 1.0 / (M + M_s), 0.0), per_gas)
+    sticks = one.sticks == 1
+    body = np.where(sticks, M + M_s, M)
+    per_gas = np.where((body > 0.0) & (one.free_gas == 1), 1.0 / body, 0.0)
     per_solid = np.where((M_s > 0.0) & (one.free_solid == 1) & ~sticks, 1.0 / M_s, 0.0)
 
     def pull(k):
@@ -136,9 +149,8 @@ def velocity(like, U, p, M):
 
 
 def accelerate(record, gain, p, one, of_gas, of_solid):
-    """U_t of the gas and acceleration of the solid of a particle, from the sums of rates. Clamps
-    and walls prescribe accelerations, and gas and solid that stick have one. A gas that is given
-    has none: it gets its velocity in each stage, and the solid with it.
+    """U_t of the gas and acceleration of the solid of a particle, from the sums of rates. A gas
+    that is given has none: it gets its velocity in each stage, and the solid with it.
     """
     like, data, U = record.like, record.data, row((*record.like, 0.0, 0.0), record.U, p)
     (J_t, R, R_m, R_E), (_, _, F, _), nothing = of_gas, of_solid, (0.0,) * len(like)
@@ -228,7 +240,11 @@ def share_heat(law, which, record, gain):
             of_gas, of_solid = 0.5 * dot(u, u), rest_of(record, p)
             with when(warm | (solid & ~gas)):
                 T = np.where(warm, record.data.T[p], record.data.T_solid[p])
-                warm_the_gas(law, record, gain, p, of_gas, T)
+                E = U[p, 0] * (law.internal_energy(U[p, 0], T) + of_gas)
+                came = np.where(one.mine == 1, record.V[p] * (E - U[p, at_E]), 0.0)
+                gain.energy[one.heats_gas] += came
+                gain.heat[one.heats_gas] += np.where(warm, came, 0.0)
+                U[p, at_E] = E
             with when(gas & ~solid):
                 rho, E = U[p, 0], U[p, at_E]
                 T = law.temperature(rho, E / rho - of_gas)
@@ -254,16 +270,6 @@ def rest_of(record, p):
     """Energy per mass of a solid that is no heat."""
     v = row(record.like, record.v, p)
     return record.potential[p] + 0.5 * dot(v, v)
-
-
-def warm_the_gas(law, record, gain, p, of_gas, T):
-    """Let the gas have a temperature."""
-    one, U, at_E = Facts(record, p), record.U, len(record.like) + 1
-    E = U[p, 0] * (law.internal_energy(U[p, 0], T) + of_gas)
-    came = np.where(one.mine == 1, record.V[p] * (E - U[p, at_E]), 0.0)
-    gain.energy[one.heats_gas] += came
-    gain.heat[one.heats_gas] += np.where(one.warm_gas == 1, came, 0.0)
-    U[p, at_E] = E
 
 
 def warm_the_solid(record, gain, p, of_solid, T):

@@ -10,13 +10,12 @@ area vectors n of faces, those of gas pointing out of it, a the accelerations,
     ROLLS   a solid slips along a wall: sum n . a_solid = 0
 
 One sum for a wall and a solid that goes on from it: two normals that differ by the error of the
-differences would hold the gas in all directions. Faces that meet at a concave edge, in a notch, are
-constraints of their own. Sticking gas and what is clamped or given needs no normal.
+differences would hold the gas in all directions. Faces that meet at a concave edge are constraints
+of their own. Sticking gas and what is clamped or given needs no normal.
 
 Where gas sticks to a solid the solid decides, and the gas there goes with it: walls of the gas
 hold the two across themselves alone, as SLIPS, and not at all where a Roller of the solid does
-that. Otherwise a solid that slides beside a wall with friction would be pinned at its edge.
-Source: docs/derivation.md, Particles.
+that. Source: docs/derivation.md, Particles.
 """
 
 from __future__ import annotations
@@ -152,9 +151,19 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
     held = [Face(*member, -1, 0, Clamped()) for member in hinges[:1]]
     for hinge in held:
         particle.faces.setdefault("clamp", hinge)
+    if "given_solid" in particle.faces:
+        particle.faces.pop("clamp", None)
     particle.held = held + [face for face in found if face.met.part or face.met.all_given]
-    if particle.sticks and not particle.faces.keys() & {"clamp", "given_solid"}:
-        _check_sliding(problem, members[0], particle.held)
+    for face in particle.held if particle.sticks else ():
+        free = not particle.faces.keys() & {"clamp", "given_solid"}
+        # the gas in the corner would be pressed together without end, and push the solid
+        if free and face.met.part == "wall" and not face.met.slides:
+            place = place_text(problem.places(members[0][0], np.array([members[0][1]]))[0])
+            raise InputError(
+                f"{face.said(problem)} meets at {place} a solid that slides along it: no grid "
+                "converges there: let the wall be Slip or have a slip_length, or the solid be "
+                "clamped there"
+            )
     _constrain(particle, problem, at_solids, found)
     _heat_conditions(particle, [problem.blocks[k].material for k, _ in members])
     return particle
@@ -172,20 +181,6 @@ def _take_over(particle: Particle, face: Face, gas: bool) -> None:
         name = name if moving and not moved else ""
     warm = "warm_gas" if gas else "warm_solid"
     faces |= {taken: face for taken in (name, warm if met.warms else "") if taken}
-
-
-def _check_sliding(problem: BlockProblem, member: tuple[int, int], held: list[Face]) -> None:
-    """InputError where a solid slides along a wall to which the gas beside sticks: the gas in the
-    corner would be pressed together without end, on any grid, and push the solid.
-    """
-    for face in held:
-        if face.met.part == "wall" and not face.met.slides:
-            place = place_text(problem.places(member[0], np.array([member[1]]))[0])
-            raise InputError(
-                f"{face.said(problem)} meets at {place} a solid that slides along it: no grid "
-                "converges there: let the wall be Slip or have a slip_length, or the solid be "
-                "clamped there"
-            )
 
 
 def _constrain(

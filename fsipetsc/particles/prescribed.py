@@ -6,7 +6,7 @@ clamps, or that moves, wants a second velocity there, the equations have a singu
 stress at that node grows as 1/h, and no grid converges. That is refused.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.checks import names_of, place_text
+from fsipetsc.equations.vectors import sub
 from fsipetsc.errors import InputError, place_of
 from fsipetsc.kernels.symbols import Symbol, derivatives
 from fsipetsc.particles.members import Face, Particle
@@ -27,6 +28,11 @@ Array = NDArray[Any]
 APART, ACROSS, WRONG = 1e-3, 0.1, 1e-2
 #: parts of a run at which velocities are looked at, no multiples of a period
 TIMES = 0.0, 1.0, *(0.7548776662466927 * k % 1.0 for k in range(1, 127))
+#: what is said of velocities that meet
+NO_GRID = (
+    "no grid converges there: let faces beside one that moves be Slip or Roller, have a "
+    "slip_length, or move with it"
+)
 #: of the distance below which places are one: velocities may be differences of places
 ROUND_OFF = 1e-4
 
@@ -37,13 +43,12 @@ class Data(NamedTuple):
     place: Array  #: (n, d) displacement of walls
     wall: Array  #: (n, d) velocity of walls
     wall_rate: Array  #: (n, d) acceleration of walls
-    clamp: Array  #: (n, d) displacement of clamps
+    clamp: Array  #: (n, d) displacement of clamps, and of solids that are given
     clamp_velocity: Array  #: (n, d)
     clamp_rate: Array  #: (n, d)
     T: Array  #: (n,) temperature of gas
     T_solid: Array  #: (n,) temperature of solids
     gas: Array  #: (n, d + 2) all unknowns of a gas: rho, rho u, E
-    solid: Array  #: (n, 2d) all of a solid: place less X, and velocity
 
 
 class Prescribed:
@@ -64,11 +69,9 @@ class Prescribed:
     ) -> None:
         self._problem, self._every, self._instant = problem, particles, instant
         self._particles = [particles[p] for p in here]
-        self._number = np.full(len(particles), -1)
-        self._number[here] = np.arange(here.size)
+        self._row = {p: row for row, p in enumerate(here.tolist())}
         n, d = here.size, problem.dimension
-        several = np.zeros((n, d + 2)), np.zeros((n, 2 * d))
-        self.data = Data(*np.zeros((6, n, d)), *np.zeros((2, n)), *several)
+        self.data = Data(*np.zeros((6, n, d)), *np.zeros((2, n)), np.zeros((n, d + 2)))
         first = (particle.members[0] for particle in self._particles)
         places = [problem.places(k, np.array([node]))[0] for k, node in first]
         self._x = np.array(places).reshape(n, d)
@@ -78,21 +81,20 @@ class Prescribed:
             for who in [self._here(every)]
         ]
 
-    def _here(self, every: Array) -> Array:
+    def _here(self, every: Sequence[int]) -> Array:
         """Which particles of this rank are among some of the problem."""
-        number = self._number[every]
-        return number[number >= 0]
+        return np.array([self._row[p] for p in every if p in self._row], np.int64)
 
-    def _grouped(self, name: str) -> list[tuple[Any, Array]]:
+    def _grouped(self, name: str) -> list[tuple[Any, list[int]]]:
         """(condition, numbers of its particles in the problem), for each one of this name."""
         found: dict[int, tuple[Any, list[int]]] = {}
         for p, particle in enumerate(self._every):
             if name in particle.faces:
                 condition = particle.faces[name].met
                 found.setdefault(id(condition), (condition, []))[1].append(p)
-        return [(condition, np.array(who)) for condition, who in found.values()]
+        return list(found.values())
 
-    def _sources_of(self) -> Iterator[tuple[Any, Array, Make, tuple[Array, ...]]]:
+    def _sources_of(self) -> Iterator[tuple[Any, list[int], Make, tuple[Array, ...]]]:
         """Where data come from: condition, numbers of its particles in the problem, formula (x, t)
         of numbers or symbols, where these go. What comes later holds.
         """
@@ -102,14 +104,15 @@ class Prescribed:
         for groups, targets in (walls, out[:3]), (grouped("clamp"), out[3:6]):
             yield from ((c, who, partial(motion, c, self._instant), targets) for c, who in groups)
         for name, T in (("warm_gas", out.T), ("warm_solid", out.T_solid)):
-            groups = [(c, who) for c, who in grouped(name) if not c.all_given]
-            yield from ((c, who, partial(temperature, c), (T,)) for c, who in groups)
+            for c, who in grouped(name):
+                if not c.all_given:
+                    yield c, who, lambda x, t, c=c: (positive(asked(c, "T", x, t)),), (T,)
         for c, who in grouped("given_gas"):
-            law_of = np.array([problem.law_at(self._every[p].members) for p in who])
-            for law in np.unique(law_of):
-                yield c, who[law_of == law], partial(gas_of, c, problem.gas_laws[law]), (out.gas,)
+            for number, law in enumerate(problem.gas_laws):
+                of = [p for p in who if problem.law_at(self._every[p].members) == number]
+                yield from [(c, of, partial(gas_of, c, law), (out.gas,))] if of else ()
         for c, who in grouped("given_solid"):
-            yield c, who, partial(solid_of, c), (out.solid, out.T_solid)
+            yield c, who, partial(solid_of, c), (out.clamp, out.clamp_velocity, out.T_solid)
 
     def refresh(self, t: float) -> None:
         """Data at time t [s]. InputError."""
@@ -126,119 +129,84 @@ class Prescribed:
             for c, who in ((c, self._here(every)) for c, every in self._grouped(name)):
                 if not c.velocity or not who.size:
                     continue
+                about = f"{place_of(c.velocity)}: velocity of {type(c).__name__}"
                 if c.moves and t_end > 0.0:
-                    self._check_derivative(c, who, times[2:5])
+                    alone, some = replace(c, velocity=None), times[2:5]
+                    v, rate = (self._velocities(one, who, some) for one in (c, alone))
+                    most = WRONG * max(np.abs(v).max(), np.abs(rate).max())
+                    wanted = "that of x", "expected the derivative of x, or x alone"
+                    self._require(v, rate, most, who, some, about, *wanted)
                 elif not c.moves and name == "wall":
-                    self._check_along(c, who, times)
-        for first, other, who in self._meetings():
-            self._compare(first, other, who, times)
-
-    def _least(self) -> float:
-        """Round-off of differences in time [m/s]."""
-        return float(ROUND_OFF * self._problem.tolerance / self._instant())
+                    faces = [self._particles[p].faces["wall"] for p in who]
+                    n = np.array([self._problem.face_normal(*face[:4])[0] for face in faces]).T
+                    wanted = "across the wall, and along it", "expected that, or x, too"
+                    for t in times:
+                        v = self._velocities(c, who, [t])
+                        along, most = v - (v * n).sum(axis=1) * n, ACROSS * np.abs(v).max()
+                        self._require(v, along, most, who, [t], about, *wanted)
+        for faces, who in self._meetings():
+            both = [self._velocities(face.met, who, times) for face in faces]
+            most = APART * np.maximum(*(np.linalg.norm(v, axis=1) for v in both))
+            names = (f"the velocity of {face.said(self._problem)}" for face in faces)
+            self._require(*both, most, who, times, *names, NO_GRID)
 
     def _velocities(self, condition: Any, who: Any, times: Sequence[float]) -> Array:
         """(times, d, particles)."""
         x = self._x[who].T
         return np.array([motion(condition, self._instant, x, t)[1] for t in times])
 
-    def _check_derivative(self, condition: Any, who: Array, times: Sequence[float]) -> None:
-        """InputError where a velocity is not the derivative of x."""
-        given, found = (
-            self._velocities(c, who, times) for c in (condition, replace(condition, velocity=None))
-        )
-        apart, largest = np.abs(given - found), max(np.abs(given).max(), np.abs(found).max())
-        if apart.max() > WRONG * largest + self._least():
-            k, c, p = np.unravel_index(apart.argmax(), apart.shape)
-            raise InputError(
-                f"{place_of(condition.velocity)}: velocity of {type(condition).__name__} at t = "
-                f"{times[k]:.6g}: {'uvw'[c]} = {given[k, c, p]:.6g}, and {'xyz'[c]} changes by "
-                f"{found[k, c, p]:.6g} per second: expected the derivative of x, or x alone",
-                collective=False,
-            )
+    def _require(
+        self, v: Array, other: Array, most: Any, who: Any, times: Any, *words: str
+    ) -> None:
+        """InputError where two velocities differ by more than ``most`` and round-off; words: what
+        they are, and what is expected.
+        """
+        most = most + ROUND_OFF * self._problem.tolerance / self._instant()
+        for k, p in np.argwhere(np.linalg.norm(v - other, axis=1) > most)[:1]:
+            one, two = (_text(u[k, :, p]) + self._problem.unit("m/s") for u in (v, other))
+            at = f"at t = {times[k]:.6g} is {one} at {place_text(self._x[who[p]])}"
+            about, beside, wanted = words
+            raise InputError(f"{about} {at}, {beside} {two}: {wanted}", collective=False)
 
-    def _meetings(self) -> list[tuple[Face, Face, list[int]]]:
+    def _meetings(self) -> Iterable[tuple[tuple[Face, Face], list[int]]]:
         """Where a second condition must have the velocity of that which decides: faces of which one
         moves, and the other one sticks, clamps or moves, too, and their particles.
         """
-        found: dict[Any, tuple[Face, Face, list[int]]] = {}
+        found: dict[Any, tuple[tuple[Face, Face], list[int]]] = {}
         for p, particle in enumerate(self._particles):
             for other in particle.held:
                 first = particle.mover(self._problem.blocks[other.block].kind == "fluid")
                 if first is None or first.met == other.met:
                     continue
-                sticks = _has_motion(first.met) and not particle.slides(other)
+                one, two = (c.moves or c.velocity is not None for c in (first.met, other.met))
                 given = first.met.all_given or other.met.all_given
-                if not given and (_has_motion(other.met) or sticks):
-                    key = first.name, other.name
-                    found.setdefault(key, (first, other, []))[2].append(p)
-        return list(found.values())
-
-    def _compare(self, first: Face, other: Face, who: list[int], times: Sequence[float]) -> None:
-        """InputError where two conditions want different velocities."""
-        wanted = [self._velocities(face.met, who, times) for face in (first, other)]
-        size = np.maximum(*(np.linalg.norm(v, axis=1) for v in wanted))
-        bad = np.linalg.norm(wanted[0] - wanted[1], axis=1) > APART * size + self._least()
-        if bad.any():
-            k, p = np.argwhere(bad)[0]
-            names = " and ".join(face.said(self._problem) for face in (first, other))
-            raise InputError(
-                f"{names} meet at {place_text(self._x[who[p]])} with velocities of "
-                f"{' and '.join(_text(v[k, :, p]) for v in wanted)}{self._problem.unit('m/s')} at "
-                f"t = {times[k]:.6g}: no grid converges there: let faces beside one that moves be "
-                "Slip or Roller, have a slip_length, or move with it",
-                collective=False,
-            )
-
-    def _check_along(self, condition: Any, who: Array, times: Sequence[float]) -> None:
-        """InputError where the velocity of a wall at rest does not lie in it."""
-        faces = [self._particles[p].faces["wall"] for p in who]
-        normals = np.array([self._problem.face_normal(*face[:4])[0] for face in faces])
-        for t in times:
-            (v,) = self._velocities(condition, who, [t])
-            across = np.abs((v * normals.T).sum(axis=0))
-            p = int(across.argmax())
-            if across[p] > ACROSS * np.abs(v).max():
-                raise InputError(
-                    f"{place_of(condition.velocity)}: velocity of NoSlip at t = {t:.6g} is "
-                    f"{_text(v[:, p])} at {place_text(self._x[who[p]])}, across the wall: expected "
-                    "one along it, or x, too",
-                    collective=False,
-                )
-
-
-def _less(a: Any, b: Any) -> tuple[Any, ...]:
-    """a - b by components."""
-    return tuple(map(np.subtract, a, b))
+                if not given and (two or (one and not particle.slides(other))):
+                    found.setdefault((first.name, other.name), ((first, other), []))[1].append(p)
+        return found.values()
 
 
 def motion(condition: Any, instant: Callable[[], float], x: Any, t: Any) -> Sequence[Any]:
     """Displacement, velocity and acceleration. What is not given of these are derivatives, of
     symbols exact ones, of numbers by differences in time.
     """
-    given, d = condition.velocity is not None, len(x)
+    given, moves, d = condition.velocity is not None, condition.moves, len(x)
 
     def place(t: Any) -> Any:
-        return asked(condition, "x", x, t, "xyz"[:d]) if condition.moves else x
+        return asked(condition, "x", x, t, "xyz"[:d]) if moves else x
 
     def velocity(t: Any) -> Any:
         return asked(condition, "velocity", x, t, "uvw"[:d])
 
+    if not (given or moves):
+        return ((0.0,) * d,) * 3 if isinstance(t, Symbol) else np.zeros((3, *x.shape))
+    of, most = (velocity, 1) if given else (place, 2)
     if isinstance(t, Symbol):
-        v = velocity(t) if given else derivatives(place(t), t, still=True)
-        return _less(place(t), x), v, derivatives(v, t, still=True)
-    if given:
-        v, rate = _differences(velocity, t, instant(), 1)
-        return _less(place(t), x), v, rate
-    if not condition.moves:
-        return np.zeros((3, *x.shape))
-    at, v, rate = _differences(place, t, instant(), 2)
-    return _less(at, x), v, rate
-
-
-def temperature(condition: Any, x: Any, t: Any) -> Sequence[Any]:
-    """That of a wall."""
-    return (positive(asked(condition, "T", x, t)),)
+        found = [of(t)]
+        for _ in range(most):
+            found.append(derivatives(found[-1], t, still=True))
+    else:
+        found = _differences(of, t, instant(), most)
+    return sub(place(t) if given else found[0], x), *found[-2:]
 
 
 def gas_of(condition: Any, law: Any, x: Any, t: Any) -> Sequence[Any]:
@@ -253,7 +221,7 @@ def solid_of(condition: Any, x: Any, t: Any) -> Sequence[Any]:
     """All unknowns of a solid: displacement and velocity, temperature."""
     d = len(x)
     values = asked(condition, "values", x, t, names_of("solid", "values", d))
-    return (*_less(values[d + 1 :], x), *values[:d]), positive(values[d])
+    return sub(values[d + 1 :], x), values[:d], positive(values[d])
 
 
 def _differences(of: Callable[[float], Array], t: float, s: float, most: int) -> list[Array]:
@@ -271,11 +239,6 @@ def _differences(of: Callable[[float], Array], t: float, s: float, most: int) ->
     for k, row in enumerate(weights[1 : most + 1].tolist(), start=1):  # k = 1, 2: k! is k
         found.append(sum(k * w * v for w, v in zip(row, values, strict=True)) / s**k)
     return found
-
-
-def _has_motion(condition: Any) -> bool:
-    """Whether data say how it moves."""
-    return condition.moves or condition.velocity is not None
 
 
 def _text(values: Array) -> str:

@@ -1,4 +1,4 @@
-"""Particles: sums over members, constraints by Gauss's principle, and what each member gets back.
+"""Particles: sums over members, and what each member gets back. Source: docs/derivation.md.
 
 Gas members of a particle share U = (rho, rho u, E), solid members share displacement and
 velocity, and have one temperature or each its own. With the sums
@@ -7,21 +7,9 @@ velocity, and have one temperature or each its own. With the sums
     solid  M_s = sum H J0 m0,  and those of M_s times displacement, velocity, energy per mass e_s
 
 `end_sums` finds what all members have in common; sums are linear in the unknowns, so that a
-Runge-Kutta method keeps them. `end_rates` does the same for rates. With a_g = (R_m - u R_rho)/M and
-a_s = F/M_s the accelerations without constraints, it minimises
-
-    1/2 M |a_g' - a_g|^2 + 1/2 M_s |a_s' - a_s|^2     where     G_c . a_g' + S_c . a_s' = b_c:
-
-forces pi_c G_c on the gas and pi_c S_c on the solid, with pi from the symmetric system
-
-    sum_e (G_c . G_e / M + S_c . S_e / M_s) pi_e  =  b_c - G_c . a_g - S_c . a_s.
-
-G_c is the sum of the area vectors of gas faces, S_c minus that of those at a solid, so that G_c +
-S_c is the sum over walls: what they push comes in from outside. Sticking gas and solid are one body
-of mass M + M_s. A body whose motion is given counts as infinitely heavy.
-
-What comes in is added to ``gain``, see fsipetsc.scheme.part: the work of constraints, and the
-change of unknowns that data replace. fsipetsc.blockrun.phases has the order of all this.
+Runge-Kutta method keeps them. `end_rates` does the same for rates. What comes in is added to
+``gain``, see fsipetsc.scheme.part: the work of constraints, and the change of unknowns that data
+replace. fsipetsc.blockrun.phases has the order of all this.
 """
 
 import numpy as np
@@ -36,10 +24,10 @@ from fsipetsc.particles.members import GAS, SOLID
 def weigh(record, y):
     """Rows of this rank's members: H q of gas, (M_s D, M_s v, M_s e) of a solid; or their rates."""
     rows, d = record.rows, len(record.like)
-    for _, r in own_members(record):
-        weight, own = record.weight[r], Unknowns(record, r, y)
+    for _, r, at in own_members(record):
+        weight = record.weight[r]
         for c in each(pick(record.kind[r] == GAS, d + 3, 2 * d + 1)):
-            rows[r, c] = weight * own[c]
+            rows[r, c] = weight * y[at(c)]
 
 
 def summed(record, p):
@@ -90,13 +78,9 @@ def end_sums(record, gain):
 def obeyed(record, p, one, of_gas, of_solid):
     """The sums of particle p, as walls, clamps and data have them; D is the mean displacement."""
     (V, M, P, E), (M_s, D, P_s, E_s) = of_gas, of_solid
-    like, data, d, given = record.like, record.data, len(record.like), one.given_solid == 1
-    moved = (one.clamp == 1) | given
-    D = choose(M_s > 0.0, per(D, M_s), D)
-    D = choose(one.placed == 1, row(like, data.clamp, p), D)
-    D = choose(given, row(like, data.solid, p), D)
-    P_s = choose(one.clamp == 1, scale(M_s, row(like, data.clamp_velocity, p)), P_s)
-    P_s = choose(given, scale(M_s, row(like, data.solid, p, d)), P_s)
+    like, data, moved = record.like, record.data, (one.clamp == 1) | (one.given_solid == 1)
+    D = choose(one.placed == 1, row(like, data.clamp, p), choose(M_s > 0.0, per(D, M_s), D))
+    P_s = choose(moved, scale(M_s, row(like, data.clamp_velocity, p)), P_s)
     P = choose(one.wall == 1, scale(M, row(like, data.wall, p)), P)
     # a gas that is given, and what sticks
     given, (rho, *rho_u, of_data) = one.given_gas == 1, row((*like, 0.0, 0.0), data.gas, p)
@@ -125,31 +109,19 @@ def gather(record, total):
 
 def begin_stored(record, y):
     """Solid members get the displacement of their particle, for which solids find energies."""
-    for p, r in own_members(record):
+    for p, r, at in own_members(record):
         with when(record.kind[r] == SOLID):
-            own, D = Unknowns(record, r, y), row(record.like, record.D, p)
+            D = row(record.like, record.D, p)
             for c in range(len(record.like)):
-                own[c] = D[c]
-
-
-class Unknowns:
-    """The numbers in a world vector of the member of a row, of this rank."""
-
-    def __init__(self, record, r, y):
-        self._at, self._apart, self._y = record.at[r], record.apart[r], y
-
-    def __getitem__(self, c):
-        return self._y[self._at + c * self._apart]
-
-    def __setitem__(self, c, value):
-        self._y[self._at + c * self._apart] = value
+                y[at(c)] = D[c]
 
 
 def own_members(record):
-    """Particle and row of each member of this rank."""
+    """Particle and row of each member of this rank, and where its numbers are in world vectors."""
     for m in each(record.mine.shape[0]):
         r = record.mine[m]
-        yield record.of_particle[r], r
+        first, apart = record.at[r], record.apart[r]
+        yield record.of_particle[r], r, lambda c, at=first, apart=apart: at + c * apart
 
 
 # constraints
@@ -167,36 +139,36 @@ def impose_conditions(record, gain, y):
         constraints.share_heat(law, number, record, gain)
     constraints.warm_solids(record, gain)
     give_state(record, y)
-    sum_up(gain)
-    for c in each(record.auxiliary):
-        y[record.first_auxiliary + c] += gain.numbers[c]
+    book(record, gain, y, True)
 
 
-def sum_up(gain):
-    """Add up the energies that came in."""
+def book(record, gain, vector, adds):
+    """Sum up the energies that came in; the auxiliary unknowns of a vector get all that came in."""
     gain.total[0] = 0.0
     for c in each(gain.energy.shape[0]):
         gain.total[0] += gain.energy[c]
+    for c in each(record.auxiliary):
+        at = record.first_auxiliary + c
+        vector[at] = gain.numbers[c] + (vector[at] if adds else 0.0)
 
 
 def give_state(record, y):
     """Members of this rank get what their particle has; each keeps its own J."""
     like, d = record.like, len(record.like)
-    for p, r in own_members(record):
-        own = Unknowns(record, r, y)
+    for p, r, at in own_members(record):
         with when(record.kind[r] == GAS):
-            J = own[0]
+            J = y[at(0)]
             for c in range(d + 2):
-                own[1 + c] = J * record.U[p, c]
+                y[at(1 + c)] = J * record.U[p, c]
         with otherwise():
             D, v, e = row(like, record.D, p), row(like, record.v, p), record.e[p]
             kinetic, change = 0.5 * dot(v, v), e - record.mean_energy[p]
             heat = (e - kinetic - record.potential[p]) * record.alpha[r] / record.capacity[p]
             shared = kinetic + record.stored[r, 0] + heat
-            alone = own[2 * d] + change
+            alone = y[at(2 * d)] + change
             for c in range(d):
-                own[c], own[d + c] = D[c], v[c]
-            own[2 * d] = np.where(record.facts.one_T[p] == 1, shared, alone)
+                y[at(c)], y[at(d + c)] = D[c], v[c]
+            y[at(2 * d)] = np.where(record.facts.one_T[p] == 1, shared, alone)
 
 
 def end_rates(record, gain, y, f):
@@ -204,25 +176,22 @@ def end_rates(record, gain, y, f):
     for p in each(record.mass.size):
         constraints.accelerate(record, gain, p, constraints.Facts(record, p), *summed(record, p))
     give_rates(record, gain, y, f)
-    sum_up(gain)
-    for c in each(record.auxiliary):
-        f[record.first_auxiliary + c] = gain.numbers[c]
+    book(record, gain, f, False)
 
 
 def give_rates(record, gain, y, f):
     """(J U)_t = J U_t + U J_t of gas members; accelerations of solid ones, and their power."""
     like, d = record.like, len(record.like)
-    for p, r in own_members(record):
-        rates = Unknowns(record, r, f)
+    for p, r, at in own_members(record):
         with when(record.kind[r] == GAS):
-            J, J_t = Unknowns(record, r, y)[0], rates[0]
+            J, J_t = y[at(0)], f[at(0)]
             for c in range(d + 2):
-                rates[1 + c] = J * record.U_t[p, c] + record.U[p, c] * J_t
+                f[at(1 + c)] = J * record.U_t[p, c] + record.U[p, c] * J_t
         with otherwise():
-            push = sub(row(like, record.acceleration, p), tuple(rates[d + c] for c in range(d)))
+            push = sub(row(like, record.acceleration, p), tuple(f[at(d + c)] for c in range(d)))
             power = dot(push, row(like, record.v, p))
             for c in range(d):
-                rates[d + c] += push[c]
-            rates[2 * d] += power
+                f[at(d + c)] += push[c]
+            f[at(2 * d)] += power
             with when(record.inertia[r] > 0.0):
                 gain.lost[0] += record.inertia[r] * power

@@ -2,11 +2,11 @@
 ranks, prescribed data.
 
 Owners of the members of a particle send each other what is extensive of them; each adds it up in
-the same order and solves the same small system: see fsipetsc.particles.procedures. So the ranks
-that own points of an interface exchange what the interface needs, and no sum is made by messages.
+the same order and solves the same small system: see fsipetsc.particles.procedures.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from operator import attrgetter
 from types import SimpleNamespace
 from typing import Any
 
@@ -19,7 +19,7 @@ from fsipetsc.parallel.block_layout import PARTICLES_TAG, BlockLayout
 from fsipetsc.parallel.exchange import RowExchange
 from fsipetsc.particles import procedures
 from fsipetsc.particles.constraints import weigh_heat
-from fsipetsc.particles.members import GAS, ROLLS, SOLID, Particle
+from fsipetsc.particles.members import GAS, ROLLS, SOLID, Face, Particle
 from fsipetsc.particles.prescribed import Prescribed
 from fsipetsc.scheme.faces import listed
 
@@ -29,8 +29,7 @@ Array = NDArray[Any]
 class ParticleSystem:
     """Particles with a member on this rank. Making one is collective on ``layout.comm``.
 
-    inertia: block -> (ghosted nodes,), J0 m0 of solids. instant: says a time [s] in which little
-    happens, for differences in time of what moves.
+    inertia: block -> (ghosted nodes,), J0 m0 of solids. instant: as in Prescribed.
 
     record: all that procedures take, of n particles and their members, on this and other ranks:
     rows of tables, those of one particle together, in an order that all ranks have in common. does:
@@ -78,7 +77,6 @@ class ParticleSystem:
             **self._of_particles(owners[begin[:-1]] == me, most),
             laws=layout.problem.gas_laws,
             data=self.prescribed.data,
-            moves=np.array([p.moves for p in self._particles], np.int64),  # its walls move
             # sums and rates: of the gas mass, volume and (rho, rho u, E); of the solid mass,
             # displacement, velocity, energy per mass, also the mean of members before a change,
             # mean specific heat, mean energy per mass that is neither kinetic nor heat
@@ -143,19 +141,50 @@ class ParticleSystem:
         found = {"kind": kinds[ks], "alpha": alphas[ks], "weight": weight, "inertia": inertias}
         return {**found, "at": at, "apart": apart}
 
-    def _of_particles(self, mine: Array, most: int) -> dict[str, Array]:
-        """What the record has of particles: their facts and kinds of constraints."""
-        problem, count = self._layout.problem, len(self._particles)
+    def _of_particles(self, mine: Array, most: int) -> dict[str, Any]:
+        """What the record has of particles: their facts and kinds of constraints. mine: this rank
+        adds what comes in there.
+        """
+        problem, every = self._layout.problem, self._particles
         gases = [k for k, block in enumerate(problem.blocks) if block.kind == "fluid"]
-        facts, constraint = np.zeros((count, len(FACTS)), int), np.zeros((count, most), int)
-        for p, particle in enumerate(self._particles):
-            constraint[p, : len(particle.constraints)] = [kind for kind, _ in particle.constraints]
-            gas = next((gases.index(k) for k, _ in particle.members if k in gases), 0)
-            law = problem.law_at(particle.members)
-            known = _facts(particle, mine[p], problem.column_of_face, gas, law)
-            facts[p] = tuple(known.values())
-        columns = SimpleNamespace(**dict(zip(FACTS, np.ascontiguousarray(facts.T))))
-        return {"facts": columns, "constraint": constraint}
+        constraint = np.zeros((len(every), most), int)
+        for p, one in enumerate(every):
+            constraint[p, : len(one.constraints)] = [kind for kind, _ in one.constraints]
+
+        def known(of: Callable[[Particle], Any]) -> Array:
+            return np.array([of(one) for one in every], int)
+
+        def has(*names: str) -> Array:
+            return known(lambda one: not one.faces.keys().isdisjoint(names))
+
+        def column(face: Face | None) -> int:
+            """That of the energy that comes in through a face, or through none, in ``gain``."""
+            return problem.column_of_face.get(face and face.name, len(problem.column_of_face))
+
+        given, holds = has("given_solid"), has("clamp", "given_solid")
+        facts = {name: known(attrgetter(name)) for name in ("sticks", "shares_heat", "one_T")}
+        facts |= {name: has(name) for name in ("wall", "clamp", "given_gas", "given_solid")}
+        facts |= {
+            "mine": mine.astype(int),
+            "moves": known(attrgetter("moves")),  # walls move it
+            "free_gas": 1 - (has("wall", "given_gas") | (facts["sticks"] & holds)),
+            "free_solid": 1 - holds,
+            "placed": given | known(lambda one: one.moved_by("clamp")),
+            "warm_gas": known(lambda one: one.warms("warm_gas")),  # its temperature is given
+            "warm_solid": given | known(lambda one: one.warms("warm_solid")),
+            "moves_gas": known(lambda one: column(one.mover(True))),
+            "moves_solid": known(lambda one: column(one.mover(False))),
+            "heats_gas": known(lambda one: column(one.faces.get("warm_gas"))),
+            "heats_solid": known(
+                lambda one: column(one.faces.get("given_solid", one.faces.get("warm_solid")))
+            ),
+            "count": known(lambda one: len(one.constraints)),
+            "column": known(
+                lambda one: next((gases.index(k) for k, _ in one.members if k in gases), 0)
+            ),
+            "law": known(lambda one: problem.law_at(one.members)),
+        }
+        return {"facts": SimpleNamespace(**facts), "constraint": constraint}
 
     def faces_at(self, k: int) -> Any:
         """The faces of block k at members here whose area vectors make the normals of constraints.
@@ -168,11 +197,10 @@ class ParticleSystem:
         for c, (kind, faces) in constraints:
             on_gas, on_solid = 2 * c * d, (2 * c + 1) * d
             for block, node, axis, side, met in faces:
-                columns = {on_solid if kind == ROLLS else on_gas: 1.0}
-                columns |= {on_solid: -1.0} if isinstance(met, Meeting) else {}
                 if block == k and node in row_of:
-                    signs = [(column, sign if side else -sign) for column, sign in columns.items()]
-                    found += [(row_of[node], node, axis, sign, column) for column, sign in signs]
+                    sign, at = (1.0 if side else -1.0), (row_of[node], node, axis)
+                    found.append((*at, sign, on_solid if kind == ROLLS else on_gas))
+                    found += [(*at, -sign, on_solid)] * isinstance(met, Meeting)
         return listed(self._layout.parts[k], found)
 
     def begin(self) -> None:
@@ -189,36 +217,3 @@ class ParticleSystem:
         _, nodes, particle = self.own(k)
         at_wall = self.record.facts.wall[particle] == 1
         return nodes[at_wall], self.prescribed.data.wall[particle[at_wall]]
-
-
-def _facts(
-    particle: Particle, mine: bool, through: Mapping[Any, int], column: int, law: int
-) -> dict[str, int]:
-    """What procedures know of a particle. mine: this rank adds what comes in there. through: face
-    -> column of its energy in ``gain``. column: of the mass of its gas there. law: number of its.
-    """
-    faces = particle.faces
-    moves, holds = faces.keys() & {"wall", "given_gas"}, faces.keys() & {"clamp", "given_solid"}
-    flags = {
-        "mine": mine,
-        "free_gas": not (moves or (particle.sticks and holds)),
-        "free_solid": not holds,
-        "placed": "clamp" in faces and faces["clamp"].met.x,  # a clamp gives the place
-        "warm_gas": particle.warms("warm_gas"),  # its temperature is given
-        "warm_solid": particle.warms("warm_solid") or "given_solid" in faces,
-        **{name: name in faces for name in ("wall", "clamp", "given_gas", "given_solid")},
-        **{name: getattr(particle, name) for name in ("sticks", "shares_heat", "one_T")},
-    }
-    known = {
-        "moves_gas": particle.mover(True),
-        "moves_solid": particle.mover(False),
-        "heats_gas": faces.get("warm_gas"),
-        "heats_solid": faces.get("given_solid", faces.get("warm_solid")),
-    }
-    # columns of the energy that comes in through these faces, or through none
-    columns = {name: through.get(face and face.name, len(through)) for name, face in known.items()}
-    numbers = {"count": len(particle.constraints), "column": column, "law": law}
-    return {name: int(bool(flag)) for name, flag in flags.items()} | columns | numbers
-
-
-FACTS = tuple(_facts(Particle([]), True, {}, 0, 0))

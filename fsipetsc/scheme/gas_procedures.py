@@ -24,7 +24,7 @@ def follow(part, particles):
     follows, known, data, d = part.follows, part.known, particles.data, len(part.like)
     for m in each(follows.shape[0]):
         n, row = follows[m], part.rows[m]
-        alone = (particles.moves[n] == 1) & (particles.solid_mass[n] == 0.0)
+        alone = (particles.facts.moves[n] == 1) & (particles.solid_mass[n] == 0.0)
         for c in range(d):
             known[row, c] = np.where(alone, data.place[n, c], particles.D[n, c])
             known[row, d + c] = np.where(alone, data.wall[n, c], particles.v[n, c])
