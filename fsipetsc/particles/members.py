@@ -21,7 +21,6 @@ that. Source: docs/derivation.md, Particles.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, NamedTuple
@@ -147,13 +146,12 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
             particle.shares_heat |= gas.kappa > 0.0 and solid.kappa_e > 0.0
     for face in found:
         _take_over(particle, face, problem.blocks[face.block].kind == "fluid")
-    hinges = sorted(problem.hinges.intersection(members))
-    held = [Face(*member, -1, 0, Clamped()) for member in hinges[:1]]
-    for hinge in held:
+    particle.held = [face for face in found if face.met.part or face.met.all_given]
+    for member in sorted(problem.hinges.intersection(members))[:1]:
+        particle.held.insert(0, hinge := Face(*member, -1, 0, Clamped()))
         particle.faces.setdefault("clamp", hinge)
     if "given_solid" in particle.faces:
         particle.faces.pop("clamp", None)
-    particle.held = held + [face for face in found if face.met.part or face.met.all_given]
     for face in particle.held if particle.sticks else ():
         free = not particle.faces.keys() & {"clamp", "given_solid"}
         # the gas in the corner would be pressed together without end, and push the solid
@@ -187,10 +185,8 @@ def _constrain(
     particle: Particle, problem: BlockProblem, at_solids: list[Face], found: list[Face]
 ) -> None:
     """Find the constraints of a particle; found: its faces with conditions."""
-    sliding = [face for face in found if particle.slides(face)]
-    kinds = [block.kind for block in problem.blocks]
-    slips = [face for face in sliding if kinds[face.block] == "fluid"]
-    rolls = [face for face in sliding if kinds[face.block] == "solid"]
+    sliding = [(problem.blocks[face.block].kind, face) for face in found if particle.slides(face)]
+    slips, rolls = ([face for of, face in sliding if of == kind] for kind in ("fluid", "solid"))
 
     @cache
     def directions(*face: int) -> tuple[Array, Array]:
@@ -215,20 +211,15 @@ def _constrain(
     else:
         slips = [*at_solids, *slips]
     for kind, faces, one in (SLIPS, slips, one_wall), (ROLLS, rolls, one_roller):
-        for group in _grouped(faces, one):
-            group.sort(key=lambda face: isinstance(face.met, Meeting))
-            particle.constraints.append((kind, group))
-
-
-def _grouped(faces: list[Face], one: Callable[[Face, Face], bool]) -> list[list[Face]]:
-    """Faces of which each is one with all others of its group."""
-    groups: list[list[Face]] = []
-    for face in faces:
-        fitting = (group for group in groups if all(one(face, other) for other in group))
-        if (group := next(fitting, None)) is None:
-            groups.append(group := [])
-        group.append(face)
-    return groups
+        groups: list[list[Face]] = []  # of which each face is one with all others
+        for face in faces:
+            fitting = (group for group in groups if all(one(face, other) for other in group))
+            if (group := next(fitting, None)) is None:
+                groups.append(group := [])
+            group.append(face)
+        for group in groups:
+            walls_first = sorted(group, key=lambda face: isinstance(face.met, Meeting))
+            particle.constraints.append((kind, walls_first))
 
 
 def _heat_conditions(particle: Particle, materials: list[Any]) -> None:

@@ -22,6 +22,7 @@ from fsipetsc.particles.members import Face, Particle
 from fsipetsc.scheme.recorded_data import Make, Source, asked, positive
 
 Array = NDArray[Any]
+Instant = Callable[[], float]
 #: part of the larger one by which velocities that meet may differ; part of the velocity of a wall
 #: at rest that may point across it; part of the largest velocity by which one may differ from the
 #: derivative of the place
@@ -29,10 +30,8 @@ APART, ACROSS, WRONG = 1e-3, 0.1, 1e-2
 #: parts of a run at which velocities are looked at, no multiples of a period
 TIMES = 0.0, 1.0, *(0.7548776662466927 * k % 1.0 for k in range(1, 127))
 #: what is said of velocities that meet
-NO_GRID = (
-    "no grid converges there: let faces beside one that moves be Slip or Roller, have a "
-    "slip_length, or move with it"
-)
+NO_GRID = "no grid converges there: let faces beside one that moves be Slip or Roller, "
+NO_GRID += "have a slip_length, or move with it"
 #: of the distance below which places are one: velocities may be differences of places
 ROUND_OFF = 1e-4
 
@@ -61,11 +60,7 @@ class Prescribed:
     """
 
     def __init__(
-        self,
-        problem: Any,
-        particles: Sequence[Particle],
-        here: Array,
-        instant: Callable[[], float],
+        self, problem: Any, particles: Sequence[Particle], here: Array, instant: Instant
     ) -> None:
         self._problem, self._every, self._instant = problem, particles, instant
         self._particles = [particles[p] for p in here]
@@ -185,7 +180,7 @@ class Prescribed:
         return found.values()
 
 
-def motion(condition: Any, instant: Callable[[], float], x: Any, t: Any) -> Sequence[Any]:
+def motion(condition: Any, instant: Instant, x: Any, t: Any) -> Sequence[Any]:
     """Displacement, velocity and acceleration. What is not given of these are derivatives, of
     symbols exact ones, of numbers by differences in time.
     """

@@ -20,7 +20,7 @@ from fsipetsc.parallel.exchange import RowExchange
 from fsipetsc.particles import procedures
 from fsipetsc.particles.constraints import weigh_heat
 from fsipetsc.particles.members import GAS, ROLLS, SOLID, Face, Particle
-from fsipetsc.particles.prescribed import Prescribed
+from fsipetsc.particles.prescribed import Instant, Prescribed
 from fsipetsc.scheme.faces import listed
 
 Array = NDArray[Any]
@@ -40,11 +40,7 @@ class ParticleSystem:
     does: dict[str, Procedure]
 
     def __init__(
-        self,
-        layout: BlockLayout,
-        particles: Sequence[Particle],
-        inertia: dict[int, Array],
-        instant: Callable[[], float],
+        self, layout: BlockLayout, particles: Sequence[Particle], inertia: Any, instant: Instant
     ) -> None:
         self._layout, d, me = layout, layout.problem.dimension, layout.comm.rank
         listed = [(p, k, n) for p, one in enumerate(particles) for k, n in one.members]
