@@ -83,20 +83,18 @@ class ElasticSolid:
         return 2.0 * self.mu_e + self.lambda_e
 
     def equations(self, d: int, symmetry: int = 0) -> Equations:
-        """Its equations in d dimensions, around an axis (1) or a centre (2); InputError if force
-        has not d numbers.
-
-        In three dimensions, around an axis or a centre, and of a law of a case faces have p_ref,
-        not the stress (fsipetsc.blockrun.block_part): a solid under p_ref is at rest exactly.
+        """Its equations, also around an axis (1) or a centre (2); InputError if force has not d
+        numbers. In three dimensions, around an axis or a centre, and of a law of a case faces have
+        p_ref, not the stress (fsipetsc.blockrun.block_part): under it a solid is at rest exactly.
         """
         force, law = force_in(self.force, d, "ElasticSolid"), self.solid_law
         coupled = self.heat == "coupled"
         if isinstance(self.law, str) and (symmetry or d == 3):
             law = law._replace(p_ref=0.0)
         own.check_solid_law(law, d + symmetry)
-        numbers = self.m0, self.alpha, self.kappa_e, coupled, force, (0.0,) * symmetry
+        numbers = self.m0, self.alpha, self.kappa_e, coupled, force
         at_faces = self.p_ref if symmetry else 0.0
-        return Equations(law, self.pressure_law, *numbers, at_faces)
+        return Equations(law, self.pressure_law, *numbers, (0.0,) * symmetry, at_faces)
 
 
 class Elastic(NamedTuple):

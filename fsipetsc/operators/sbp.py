@@ -35,7 +35,8 @@ STIFFNESS_OF_WIDE = 2.0
 
 @dataclass(frozen=True)
 class SBPOperator:
-    """A diagonal-norm SBP first derivative on n equidistant points, closed at both ends.
+    """A diagonal-norm SBP first derivative of interior order 2p on n equidistant points, with a
+    closure of ``rows`` rows and order p at both ends.
 
     Exact coefficients for h = 1 and the left end, whose points are counted from 0.
 
@@ -50,17 +51,14 @@ class SBPOperator:
 
     @property
     def rows(self) -> int:
-        """Number of closure rows at each end."""
         return len(self.norm)
 
     @property
     def p(self) -> int:
-        """Half width of the interior stencil, and the order of the closure."""
         return len(self.interior)
 
     @property
     def order(self) -> int:
-        """Interior order."""
         return 2 * self.p
 
     @property
@@ -112,7 +110,7 @@ class SBPOperator:
         return self.exact_matrix(n).astype(float) / h
 
     def exact_matrix(self, n: int) -> NDArray[Any]:
-        """D for h = 1, (n, n), of fractions; n: min_points or more."""
+        """D for h = 1, (n, n), of fractions."""
         matrix, closure = np.full((n, n), Fraction(0), dtype=object), np.array(self.closure)
         for k, weight in enumerate(self.interior, start=1):
             i = np.arange(n - k)
