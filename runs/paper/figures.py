@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import fsipetsc
-from fsipetsc.operators.sbp import operator
+from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.output.drawing import BLACK, COLORS, STYLE, set_title
 from fsipetsc.output.reader import Run
 
@@ -30,7 +30,7 @@ def main(directory: str, note: str = "") -> None:
     """Draw all of them."""
     folder, note = Path(directory), f"  ({note})" if note else ""
     with matplotlib.rc_context(STYLE), fsipetsc.open_run(folder / "rod.h5") as rod:
-        what = f"{operator(rod.options['fsi_order']).name}, h = {rod.options['fsi_h']:g} m{note}"
+        what = f"{OPERATORS[rod.options['fsi_order']].name}, h = {rod.options['fsi_h']:g} m{note}"
         for number, name, label in ((8, "T", "temperature T  [K]"), (9, "u", "velocity u  [m/s]")):
             title = f"Fig. {number}: {label.split('  ')[0]}, {what}"
             save(profiles(rod, name, label), folder / f"fig{number:02d}.png", title)
@@ -110,12 +110,12 @@ def closeup(folder: Path) -> tuple[Figure, str]:
                     label = f"{kind}, h = {h:g} m"
                     axes.plot(x, u, color=colors[kind], **style, label=label)
         near(axes, reference, x_I)
-        axes.set_title(operator(order).name, loc="left")
+        axes.set_title(OPERATORS[order].name, loc="left")
         axes.set_xlabel("x  [m]")
     figure.axes[0].set_ylabel("velocity u  [m/s]")
     entries = dict(zip(*reversed(figure.axes[0].get_legend_handles_labels())))
     figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=5)
-    name = f"reference {operator(opt['fsi_order']).name}, h = {opt['fsi_h']:g} m"
+    name = f"reference {OPERATORS[opt['fsi_order']].name}, h = {opt['fsi_h']:g} m"
     return figure, f"velocity at the lower interface, t = {opt['ts_max_time']:g} s; {name}"
 
 
