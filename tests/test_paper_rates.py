@@ -17,7 +17,7 @@ from fsipetsc.cases import load_case
 from fsipetsc.options import defaults
 from fsipetsc.paper import rates as rates_of
 from fsipetsc.paper.paper_state import PaperState
-from fsipetsc.scheme.plan import RATE
+from fsipetsc.scheme.plan import DT, RATE, TIME
 
 FROZEN = Path(__file__).with_name("paper_rates.json")
 ENDS = {
@@ -133,7 +133,8 @@ def test_rates_and_steps_do_not_depend_on_pieces(name, monkeypatch):
             state.right_hand_side(stage, found[-1])
             state.solution.getArray()[:] = stage
             state.finish()
-            state.step(0.01, 1e-7)
+            state.batch[[TIME, DT]] = 0.01, 1e-7
+            state.step()
             found[-1] = np.append(found[-1], state.y)
     assert np.isfinite(found[0]).all() and np.array_equal(*found)
 
