@@ -47,8 +47,6 @@ class Kernel:
         self.counted: Symbol | None = None
         self._distances: dict[str, str] = {}
 
-    # what is read
-
     def read(
         self, array: str, layout: str, count: int, first: int = 0, far: tuple[str, int] = ("", 0)
     ) -> tuple[Symbol, ...]:
@@ -76,14 +74,12 @@ class Kernel:
         of = (self.read("p", SHARED, 1, n)[0] for n, _ in enumerate(numbers_of(equations)))
         return _replaced(equations, lambda number: next(of))
 
-    # what is written
-
     def store(self, array: str, layout: str, values: Sequence[Any], first: int = 0) -> None:
         """Store values as the components ``first`` and so on of an item."""
         self._arguments[array] = "double *restrict "
         places = self._places(array, layout, len(values), first, "i")
-        stored = (self.record.constant(value) for value in values)
-        self._stores += zip((f"{place} =" for place in places), stored)
+        stored = map(self.record.constant, values)
+        self._stores += [(f"{place} =", one) for place, one in zip(places, stored)]
 
     def add(self, array: str, layout: str, values: Sequence[Any], first: int = 0) -> None:
         """Add values to the components ``first`` and so on of an item."""
@@ -102,8 +98,6 @@ class Kernel:
         every = range(first, first + count)
         return [f"{array}[{layout.format(c=c, i=i)}]" for c in every]
 
-    # in procedures
-
     def __call__(self, n: Any, **given: Any) -> Index | None:
         """Let a procedure run the kernel over n items. An array is given from its first item on.
         Returns how many items were counted, of a kernel that counts.
@@ -117,8 +111,6 @@ class Kernel:
             return record.whole(call, *values)
         record.line(f"{call};", *values)
         return None
-
-    # what is printed
 
     def text(self) -> str:
         """The function in C."""

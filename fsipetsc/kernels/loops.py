@@ -21,8 +21,6 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 from fsipetsc.kernels.printing import Line
 from fsipetsc.kernels.symbols import Record, Symbol, refuse
 
-# --- what is recorded
-
 
 def _operator(form: str, neutral: int | None = None) -> Any:
     """An operator; with its neutral number an Index is itself."""
@@ -75,11 +73,6 @@ class Index:
 
     def __index__(self) -> int:
         raise refuse("a number that is not known yet is no range and no length: write each(n)")
-
-    __int__ = __float__ = __index__  # type: ignore[assignment]
-
-    def __hash__(self) -> int:
-        return hash(self.text)
 
 
 def is_whole(value: Any, number: int | None) -> bool:
@@ -180,8 +173,6 @@ def recording() -> Recording:
         raise refuse("each, when, stop and variable are for procedures that are recorded")
     return _recordings[-1]
 
-
-# --- how procedures record it
 
 #: of arrays: what a number is in C
 KINDS = {"f": "double", "i": "long"}
@@ -352,8 +343,6 @@ class Array(NDArrayOperatorsMixin):
 
     def __array_ufunc__(self, function: Any, method: str, *given: Any, **more: Any) -> Any:
         raise refuse("an operation on a whole array: write a loop, `for i in each(n):`")
-
-    __hash__ = None  # type: ignore[assignment]
 
 
 def invoke(name: str, address: Any, *arrays: Array) -> None:

@@ -92,7 +92,7 @@ def _constant(value: float | None) -> str:
     return f"({text})" if text[0] == "-" else text
 
 
-# --- powers of two
+# powers of two
 
 
 def _power_of(value: float | None) -> int | None:
