@@ -36,7 +36,7 @@ def recorded(count: int, formula: Callable[..., Numbers]) -> Callable[..., list[
     wanted = [record.constant(number) for number in formula(*given)]
 
     def called(*where: Any) -> list[Any]:
-        found = replay(wanted, dict(zip(given, where, strict=True)), SAME_BITS)
+        found = replay(wanted, dict(zip(given, where, strict=True)), **SAME_BITS)
         return [value + 0.0 * where[0] for value in found]
 
     return called

@@ -311,16 +311,12 @@ def uses_of(wanted: Sequence[Symbol]) -> dict[int, int]:
     return Counter(symbol.number for symbol in (*wanted, *operands))
 
 
-def replay(
-    wanted: Sequence[Symbol],
-    known: Mapping[Symbol, Any],
-    functions: Mapping[str, Callable[..., Any]] | None = None,
-) -> list[Any]:
+def replay(wanted: Sequence[Symbol], known: Mapping[Symbol, Any], **functions: Any) -> list[Any]:
     """What symbols are, as numbers, arrays, or symbols of another record, by those that are known,
     which may be constants and results of operations. functions: what to take of some operations,
     by name, instead of numpy's.
     """
-    of, uses = {**_FUNCTIONS, **(functions or {})}, uses_of(wanted)
+    of, uses = {**_FUNCTIONS, **functions}, uses_of(wanted)
     values = {symbol.number: value for symbol, value in known.items()}
     with np.errstate(all="ignore"):
         for symbol in needed(wanted):
