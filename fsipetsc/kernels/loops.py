@@ -111,12 +111,10 @@ class Recording(Record):
         self.items.append(made)
         self._within[-1].append(key)
 
-    def number_at(self, place: str) -> Symbol:
-        """The number that C has at a place, which is read once between stores."""
-        return self.given(place, stores=self.stores)
-
-    def whole_at(self, place: str) -> Any:
-        """The whole number that C has at a place, which is read once between stores."""
+    def read(self, place: str, is_whole: bool = False) -> Any:
+        """The number, or whole number, that C has at a place: it is read once between stores."""
+        if not is_whole:
+            return self.given(place, stores=self.stores)
         key = "read", place, self.stores
         if key not in self._known:
             self._known[key] = self.whole(place)
@@ -256,7 +254,7 @@ class variable:
 
     @property
     def value(self) -> Any:
-        return self._record.number_at(self._name)
+        return self._record.read(self._name)
 
     @value.setter
     def value(self, number: Any) -> None:
@@ -323,10 +321,7 @@ class Array(NDArrayOperatorsMixin):
         part = self._part(at)
         if part.shape:
             return part
-        place = f"{self._base}[{part._first()}]"
-        if KINDS[self.dtype.kind] == "double":
-            return recording().number_at(place)
-        return recording().whole_at(place)
+        return recording().read(f"{self._base}[{part._first()}]", self.dtype.kind == "i")
 
     def __setitem__(self, at: Any, value: Any) -> None:
         """Store a number, a tuple of the numbers of an axis, or the same one everywhere."""
@@ -338,7 +333,7 @@ class Array(NDArrayOperatorsMixin):
             for i in each(part.shape[0], vector=len(part.shape) == 1):
                 part[i] = value
         else:
-            value = index_of(value) if KINDS[self.dtype.kind] == "long" else value
+            value = index_of(value) if self.dtype.kind == "i" else value
             recording().store(f"{self._base}[{part._first()}]", value)
 
     def __array_ufunc__(self, function: Any, method: str, *given: Any, **more: Any) -> Any:
