@@ -10,15 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Numbers = tuple[Any, ...]
 
 
-def column(like: Numbers, array: Any, n: Any, first: Any = 0) -> Numbers:
+def column(like: Any, array: Any, n: Any, first: Any = 0) -> Any:
     """Return the numbers array[first + c, n], as many as the tuple ``like`` has."""
     return tuple(array[first + c, n] for c in range(len(like)))
 
 
-def row(like: Numbers, array: Any, n: Any, first: Any = 0) -> Numbers:
+def row(like: Any, array: Any, n: Any, first: Any = 0) -> Any:
     """Return the numbers array[n, first + c], as many as the tuple ``like`` has."""
     return tuple(array[n, first + c] for c in range(len(like)))
 

@@ -126,9 +126,8 @@ def _hash(*parts: bytes) -> bytes:
 @cache
 def folder() -> Path:
     """Where libraries are kept. InputError for a folder that others can write to."""
-    given = os.environ.get("FSIPETSC_CACHE")
     home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    place = Path(given) if given else Path(home) / "fsipetsc" / "libraries"
+    place = Path(os.environ.get("FSIPETSC_CACHE") or f"{home}/fsipetsc/libraries")
     with suppress(OSError):
         found = place.stat()
         if found.st_mode & (stat.S_IWGRP | stat.S_IWOTH) or found.st_uid != os.getuid():

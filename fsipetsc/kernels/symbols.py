@@ -52,10 +52,8 @@ MADE: dict[Any, Callable[[Any], Any]] = {
 }
 #: operations whose result is true or false
 CONDITIONS = frozenset({">", "<", ">=", "<=", "==", "!=", "&", "|", "not", "holds"})
-LOGICAL = frozenset({"&", "|", "not"})
 #: the largest exponent for which a power is written as products
 MOST_FACTORS = 8
-_KERNELS = os.path.dirname(os.path.abspath(__file__))
 
 
 class NotRecorded(InputError):
@@ -65,7 +63,7 @@ class NotRecorded(InputError):
 def refuse(what: str) -> NotRecorded:
     """Return the error, with the line of the formula that was running."""
     frame = sys._getframe(1)
-    inside = (_KERNELS, os.path.dirname(os.path.abspath(np.__file__)))
+    inside = tuple(os.path.dirname(os.path.abspath(file)) for file in (__file__, np.__file__))
     while frame.f_back and os.path.abspath(frame.f_code.co_filename).startswith(inside):
         frame = frame.f_back
     code = frame.f_code
@@ -173,7 +171,7 @@ class Record:
     def apply(self, operation: str, *given: Any) -> Symbol:
         """What an operation makes of symbols or numbers."""
         operands = tuple(self.constant(operand) for operand in given)
-        if operation in LOGICAL and not all(o.operation in CONDITIONS for o in operands):
+        if operation in ("&", "|", "not") and not all(o.operation in CONDITIONS for o in operands):
             raise refuse("&, | and ~ are of conditions, as a > b, alone")
         simpler = _simplified(self, operation, operands)
         if simpler is not None:
