@@ -69,9 +69,7 @@ INLINE double minimum_(double a, double b) {
 }
 INLINE double sign_(double x) { return x > 0.0 ? 1.0 : (x < 0.0 ? -1.0 : x + 0.0); }
 
-/* --- exponentials
-
-   e^(x + tail) = 2^k (1 + r + rest): k is x / ln 2, rounded, r = x - k ln 2 is exact, and with
+/* e^(x + tail) = 2^k (1 + r + rest): k is x / ln 2, rounded, r = x - k ln 2 is exact, and with
    s = r + tail, rest = e^s - 1 - r = tail + s^2 q(s), to 2^-61. */
 struct exponential_ { double k_rounded, r, rest; };
 INLINE struct exponential_ exponential_(double x, double tail) {
@@ -118,9 +116,7 @@ INLINE double tanh_(double x) {
   return copysign(q.high + q.low, x);
 }
 
-/* --- logarithms and powers
-
-   x = 2^k (1 + f) with 1 + f between sqrt(1/2) and sqrt(2). Subnormal x are taken times 2^54. k is
+/* x = 2^k (1 + f) with 1 + f between sqrt(1/2) and sqrt(2). Subnormal x are taken times 2^54. k is
    -inf for 0, inf for inf, else nan. */
 struct reduced_ { double k, f; };
 INLINE struct reduced_ reduced_(double x) {
@@ -198,9 +194,7 @@ INLINE double pow_(double x, double y) {
   return y == 0.0 ? 1.0 : (x == 1.0 ? 1.0 : known);
 }
 
-/* --- circular functions
-
-   sin and cos of x - k pi/2 = r + low, |r| < 0.79: FDLIBM's k_sin.c, k_cos.c, their coefficients.
+/* sin and cos of x - k pi/2 = r + low, |r| < 0.79: FDLIBM's k_sin.c, k_cos.c, their coefficients.
    pi/2 has three parts. x - k times the first is exact, the product with the second is, too. */
 struct circular_ { uint64_t k; double sin, cos; };
 INLINE struct circular_ circular_(double x) {
