@@ -23,7 +23,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.kernels import build
 from fsipetsc.kernels.kernel import PLANES, Kernel, numbers_of, unit
 from fsipetsc.kernels.loops import each, number, otherwise, pick, stop, variable, when, whole
-from fsipetsc.kernels.symbols import MADE, Record, derivatives, exact, replay
+from fsipetsc.kernels.symbols import MADE, Record, Replay, derivatives, exact
 from fsipetsc.materials.stiffened_gas import PerfectGas
 from fsipetsc.materials.sutherland import ConstantTransport
 from fsipetsc.scheme.gas_sweep import gas_kernels
@@ -108,7 +108,7 @@ def test_derivatives_are_those_of_the_formula():
         (found,) = derivatives([every_operation(*x)], x[k])
         h = 1e-6 * (np.arange(3) == k)
         slope = (every_operation(*(at + h)) - every_operation(*(at - h))) / 2e-6
-        (value,) = replay([found], dict(zip(x, at)))
+        (value,) = Replay([found])(dict(zip(x, at)))
         assert value == pytest.approx(slope, rel=1e-8), k
 
 

@@ -309,26 +309,42 @@ def uses_of(wanted: Sequence[Symbol]) -> dict[int, int]:
     return Counter(symbol.number for symbol in (*wanted, *operands))
 
 
-def replay(wanted: Sequence[Symbol], known: Mapping[Symbol, Any], **functions: Any) -> list[Any]:
-    """What symbols are, as numbers, arrays, or symbols of another record, by those that are known,
-    which may be constants and results of operations. functions: what to take of some operations,
-    by name, instead of numpy's.
+class Replay:
+    """What symbols are where those that are given are known.
+
+    Args:
+        wanted: the symbols. What is made of them is ordered here, once.
     """
-    of, uses = {**_FUNCTIONS, **functions}, uses_of(wanted)
-    values = {symbol.number: value for symbol, value in known.items()}
-    with np.errstate(all="ignore"):
-        for symbol in needed(wanted):
-            if symbol.number in values:
-                continue
-            values[symbol.number] = symbol.value
-            if symbol.value is None:
-                operands = [values[one.number] for one in symbol.operands]
+
+    def __init__(self, wanted: Sequence[Symbol]) -> None:
+        self._wanted, self._order = wanted, needed(wanted)
+        last = {one.number: i for i, symbol in enumerate(self._order) for one in symbol.operands}
+        last.update((symbol.number, len(self._order)) for symbol in wanted)
+        self._done: list[list[int]] = [[] for _ in range(len(self._order) + 1)]
+        for number, i in last.items():
+            self._done[i].append(number)
+
+    def __call__(
+        self, known: Mapping[Symbol, Any], functions: Mapping[str, Callable[..., Any]] | None = None
+    ) -> list[Any]:
+        """Numbers, arrays, or symbols of another record, by those that are known. Constants and
+        results of operations may be among these. functions: what to take of some operations, by
+        name, instead of numpy's.
+        """
+        of = {**_FUNCTIONS, **(functions or {})}
+        values = {symbol.number: value for symbol, value in known.items()}
+        with np.errstate(all="ignore"):
+            for symbol, done in zip(self._order, self._done):
+                if symbol.number in values:
+                    continue
+                if symbol.value is not None:
+                    values[symbol.number] = symbol.value
+                    continue
+                operands = [values[operand.number] for operand in symbol.operands]
                 values[symbol.number] = of[symbol.operation](*operands)
-            for one in symbol.operands:
-                uses[one.number] -= 1
-                if not uses[one.number]:
-                    del values[one.number]  # arrays of many nodes take memory
-    return [values[symbol.number] for symbol in wanted]
+                for number in done:
+                    del values[number]  # arrays of many nodes take memory
+        return [values[symbol.number] for symbol in self._wanted]
 
 
 #: numpy's function of an operation
