@@ -196,7 +196,7 @@ INLINE double pow_(double x, double y) {
 
 /* sin and cos of x - k pi/2 = r + low, |r| < 0.79: FDLIBM's k_sin.c, k_cos.c, their coefficients.
    pi/2 has three parts. x - k times the first is exact, the product with the second is, too. */
-struct circular_ { uint64_t k; double sin, cos; };
+struct circular_ { uint64_t k; struct sum_ sin, cos; };
 INLINE struct circular_ circular_(double x) {
   const double k_rounded = fma(x, TWO_BY_PI_, ROUND_);
   const double k = k_rounded - ROUND_;
@@ -214,20 +214,26 @@ INLINE struct circular_ circular_(double x) {
   C = cubic_(z, -0.001388888888887411, 2.480158728947673e-05, -2.7557314351390663e-07, C);
   C = fma(z, C, 0.0416666666666666);
   const double most = 1.0 - 0.5 * z;
-  const double sin = r + fma(z * r, S, low * most);
-  const double cos = most + (((1.0 - most) - 0.5 * z) + fma(z * z, C, -r * low));
+  const struct sum_ sin = exact_sum_(r, fma(z * r, S, low * most));
+  const double rest = fma(z * z, C, -r * low);
+  const struct sum_ cos = exact_sum_(most, ((1.0 - most) - 0.5 * z) + rest);
   return (struct circular_){bits_(k_rounded), sin, cos};
 }
 
-/* sin of x and some quarters of a turn where |x| <= 2^40, else nan. Errors: 0.8 ulp. */
-INLINE double turned_(double x, uint64_t quarters) {
-  const struct circular_ c = circular_(x);
-  quarters += c.k;
-  const uint64_t value = bits_(quarters & 1 ? c.cos : c.sin) ^ ((quarters & 2) << 62);
-  return fabs(x) <= 1099511627776.0 ? number_(value) : NAN;
+/* A function of the angle x, with the other sign in the second half of a turn. */
+INLINE double turned_(double x, double value, uint64_t quarters) {
+  const double with_sign = number_(bits_(value) ^ ((quarters & 2) << 62));
+  return fabs(x) <= 1099511627776.0 ? with_sign : NAN;
 }
-INLINE double sin_(double x) { return fabs(x) < 1e-9 ? x : turned_(x, 0); }
-INLINE double cos_(double x) { return turned_(x, 1); }
+/* Where |x| <= 2^40, else nan. Errors: 0.8 ulp. */
+INLINE double sin_(double x) {
+  const struct circular_ c = circular_(x);
+  return fabs(x) < 1e-9 ? x : turned_(x, c.k & 1 ? c.cos.high : c.sin.high, c.k);
+}
+INLINE double cos_(double x) {
+  const struct circular_ c = circular_(x);
+  return turned_(x, c.k & 1 ? c.sin.high : c.cos.high, c.k + 1);
+}
 /* arctan(a / b) = eighths pi/4 + arctan t, 0 <= a <= b: t = a / b or, behind pi/8,
    (a - b) / (a + b). arctan t = t - t^3 P(t^2): FDLIBM's s_atan.c, its coefficients, |t| < 7/16. */
 INLINE struct sum_ arctan_part_(double a, double b, int steep) {
