@@ -15,6 +15,7 @@ from mpi4py import MPI
 from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blockrun.parts import SolidPart
 from fsipetsc.checks import place_text
+from fsipetsc.equations.tensors import determinant
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.scheme.observables import Drifts
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, TIME, TOO_SHORT, longest_step
@@ -31,7 +32,7 @@ STRETCHED = 0.01
 STEEP = 0.2
 #: entries of F - 1 below which the waves of a law are those at rest
 SMALL = 0.01
-#: what an eigenvalue of an acoustic tensor, over its largest entry, must be below
+#: what a minor of an acoustic tensor, over its largest entry, must be below
 ROUND_OFF = 1e-8
 #: entries of directions of waves, in as many dimensions, -so many … so many
 FINEST = {1: 1, 2: 4, 3: 2}
@@ -146,8 +147,8 @@ def worst_waves(part: SolidPart, q: Array) -> list[tuple[float, int, list[float]
     stretch along the wave.
 
     Waves along N are real if the acoustic tensor along N at constant entropy
-    (fsipetsc.equations.solid) is positive. Nodes with hardly any strain are left out, so that
-    solids of small strain cost next to nothing.
+    (fsipetsc.equations.solid) is positive, so that all its leading minors are. Nodes with hardly
+    any strain are left out, so that solids of small strain cost next to nothing.
     """
     part.measure(q)
     d, found = part.block.dimension, []
@@ -159,9 +160,12 @@ def worst_waves(part: SolidPart, q: Array) -> list[tuple[float, int, list[float]
     some = [N / np.linalg.norm(N) for N in product(entries, repeat=d) if N > (0,) * d]
     for N in np.unique(np.round(some, 15), axis=0) if rows.size else ():
         Q = np.array(part.equations.acoustic_tensor(strains, T, tuple(N)))
-        Q = np.nan_to_num(Q.reshape(isqrt(len(Q)), -1, rows.size)[:d, :d].T, posinf=0.0, neginf=0.0)
-        least = np.linalg.eigvalsh(Q)[:, 0] + ROUND_OFF * np.abs(Q).max(axis=(1, 2))
-        i = np.lexsort((numbers, least))[0]
+        Q = Q.reshape(isqrt(len(Q)), -1, rows.size)[:d, :d]
+        size = np.abs(Q).max(axis=(0, 1))
+        Q = Q / size + ROUND_OFF * np.eye(d)[..., None]
+        minors = [determinant(tuple(Q[:k, :k].reshape(k * k, -1))) for k in range(1, d + 1)]
+        least = size * np.min(minors, axis=0)
+        i = np.lexsort((numbers, least))[0]  # what is no number comes last
         if least[i] < 0.0:
             X, stretch = part.X[:, part.owned[rows[i]]], np.linalg.norm(F[rows[i]] @ N)
             found.append((float(least[i]), int(numbers[i]), X.tolist(), float(stretch)))
