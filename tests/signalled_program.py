@@ -32,7 +32,7 @@ def reached(place: str) -> None:
     """Send the signals that are to come here, this time."""
     seen[place] += 1
     for *where, number in places:
-        if where == [place, seen[place], launcher_rank()]:
+        if where == [place, seen[place], launcher_rank() or 0]:
             if number < 0:
                 os.kill(os.getppid(), -number)
             else:
