@@ -6,17 +6,12 @@ from fsipetsc.kernels import build
 from fsipetsc.kernels.procedure import Code, Procedure
 
 
-def load(code: Code) -> None:
-    """Compile and load all procedures of a code."""
+def recorded(function: Any, *records: Any) -> Procedure:
+    """A function of records, compiled and loaded."""
+    code = Code()
+    found = code.procedure("procedure", function, *records)
     name = build.name_of(code.text)
     if build.lacks(name):
         build.keep(name, *build.made([code.text]))
     code.load(build.loaded(name, {}))
-
-
-def recorded(function: Any, *records: Any) -> Procedure:
-    """A function of records, loaded."""
-    code = Code()
-    found = code.procedure("procedure", function, *records)
-    load(code)
     return found

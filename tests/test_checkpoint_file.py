@@ -3,6 +3,7 @@
 import errno
 import os
 import shutil
+from unittest.mock import Mock
 
 import h5py
 import numpy as np
@@ -46,11 +47,9 @@ def test_what_fails_in_the_middle_leaves_the_one_before(at, tmp_path, monkeypatc
     target = tmp_path / "a.h5"
     write_checkpoint(target, {"steps": 2}, {})
 
-    def full(*arguments):
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
+    full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     with monkeypatch.context() as context:
-        context.setattr(os, at, full)
+        context.setattr(os, at, Mock(side_effect=full))
         with pytest.raises(CheckpointError, match=r"No space left .*; the one before is kept in"):
             write_checkpoint(target, {"steps": 3}, {})
     assert read_checkpoint(target)[0]["steps"] == 2
@@ -128,3 +127,7 @@ def test_what_was_given_up_is_not_gone_on_from(tmp_path):
     for name, count in (("rod.h5", 25), ("rod.1.h5", 60)):
         with fsipetsc.open_run(tmp_path / name) as result:
             assert result.summary["steps"] == len(result.series["t"]) == count
+    (tmp_path / "rod.parts").mkdir()
+    shutil.copy(tmp_path / "rod.1.h5", tmp_path / "rod.parts" / "000001.h5")
+    done = solve("rod", "-fsi_restart", "auto", cwd=tmp_path)
+    message(done, 4, "rod.parts: has pieces of another run than rod.h5; move one of them away")

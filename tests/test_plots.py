@@ -36,8 +36,8 @@ def results(tmp_path_factory):
 
 def figure_of(run, name):
     with matplotlib.rc_context(drawing.STYLE):
-        one = page.pictures(run).get(name)
-        figure = page.drawn(run, name, [one]) if one else page.page(run)
+        one = [] if name == "page" else [page.pictures(run)[name]]
+        figure = page.drawn(run, name, one) if one else page.page(run)
         FigureCanvasAgg(figure).draw()
     return figure
 
@@ -75,6 +75,8 @@ def test_drawn_pressure_is_what_gas_and_solid_have_in_common(results):
             assert line.get_label() == layer.kind
             assert np.array_equal(line.get_data(), [of["x"], expected], equal_nan=True)
     assert np.ptp(run.layers[1]["p"]) > 1  # Pa: the solid's own pressure counts
+    nodes = re.search(r"(\d+) \+ (\d+) \+ (\d+) nodes", drawing.of_run(run, "p")).groups()
+    assert sum(map(int, nodes)) == run.summary["points"], "none in reserve"
 
 
 def test_maps_are_on_the_grid(results):
@@ -111,6 +113,10 @@ def test_plot_in_the_format_of_the_name(results, tmp_path, capsys, monkeypatch):
     text = (tmp_path / "x" / "a.svg").read_text()
     assert text.startswith("<?xml") and "t = 0.1 s" in text and "t = 0.3 s" in text
     assert "temperature T" in text and "stress" in text and "velocity" not in text
+    words = "-fields p -times 0 -contours 3 -probes 0,0;0.5,0.5 -o".split()
+    assert main(["plot", results["blast"].path, *words, str(tmp_path / "b.svg")]) == 0
+    text = (tmp_path / "b.svg").read_text()
+    assert re.search("ContourSet|LineCollection", text) and "at 0.5, 0.5" in text
     capsys.readouterr()
     monkeypatch.setattr(page, "drawn", lambda *_: Figure())  # the report has them all
     words = "-all -fields T -o".split()
@@ -135,8 +141,7 @@ def test_film_and_a_file_where_a_directory_should_be(results, tmp_path, capsys):
     assert first.shape == last.shape and (first != last).any(axis=-1).mean() > 0.1
     (tmp_path / "text").write_text("a text")
     assert main(["plot", run.path, "-o", str(tmp_path / "text")]) == 4
-    said = capsys.readouterr().err
-    assert "text/blast.png: cannot write the picture: " in said, said
+    assert "text/blast.png: cannot write the picture: " in capsys.readouterr().err
 
 
 def test_report(results, tmp_path):

@@ -89,7 +89,9 @@ def set_title(figure: Figure, title: str) -> Any:
 def of_run(run: Run, what: str) -> str:
     """Return case, what is shown, order, nodes, ranks, and whether the run has ended."""
     sizes = [" x ".join(map(str, layer.shape[::-1])) for layer in run.layers]
-    if len(sizes) > MOST_BLOCKS:
+    if run.dimension == 1 and run.nframes:  # points in reserve are no nodes
+        sizes = [str(np.isfinite(layer.frame(-1)["x"]).sum()) for layer in run.layers]
+    elif len(sizes) > MOST_BLOCKS:
         sizes = [f"{sum(math.prod(layer.shape) for layer in run.layers):,}"]
     ranks = counted(run.summary["ranks"], "rank") + ", unfinished" * (not run.complete)
     about = f"order {run.options['fsi_order']}, {' + '.join(sizes)} nodes, {ranks}"

@@ -212,28 +212,37 @@ class RunWriter:
         left = layout.pieces(self.folder)
         earlier = [self.path] * self.path.exists()
         marks = {_mark(file) for file in (*earlier, *left[:1])}
-        kept = after is not None and marks == {self._about["header"].get("run")}
+        kept = after is not None and self._about["header"].get("run") in marks
+        if kept and len(marks) > 1:
+            said = f"has pieces of another run than {self.path.name}; move one of them away"
+            raise FileError(f"{self.folder}: {said}")
         if kept:
             self._join(after)
             os.replace(self.path, layout.piece(self.folder, 1))
-        aside = [] if kept else [*earlier, *[self.folder] * bool(left)]
-        aside += [checkpoint] * (checkpoint is not None)
-        self.moved += [(file, set_aside(file)) for file in aside]
-        if self.folder in aside:  # with which the lock has gone
+            earlier.clear()
+        if checkpoint is not None:
+            earlier.append(checkpoint)
+        self.moved += [(file, set_aside(file)) for file in earlier]
+        if left and not kept:  # the lock goes with them
+            self.moved.append((self.folder, set_aside(self.folder)))
             self._lock.close()
             self._lock = lock(self.folder, str(self.path))
+        elif not kept:  # pieces behind a gap, which a kill has left
+            clear(self.folder)
         return after[:2] if kept else (0, 0)
 
     def _join(self, after: Kept | None = None) -> None:
         """Make one file of all pieces, or of what is kept of a result."""
         run = open_run(self.path)
-        steps = run.series.get("t", np.empty(0))
-        frames, rows, t = after or (run.nframes, len(steps), math.nan)
-        ended = [t, *steps, math.nan][min(rows, len(steps) + 1)]
-        if after is not None and (run.nframes < frames or ended != t):
-            found = f"it has {run.nframes} frames, and its step {rows} ends at t = {ended:.17g}"
-            what = f"{self.path} is not what the checkpoint goes on from"
-            raise FileError(f"{what}: {found}, not {t:.17g}")
+        ends = run.series.get("t", np.empty(0))
+        frames, rows = run.nframes, len(ends)
+        if after is not None:
+            frames, rows, t = after
+            ended = t if rows == 0 else ends[rows - 1] if rows <= len(ends) else math.nan
+            if run.nframes < frames or ended != t:
+                found = f"it has {run.nframes} frames, and its step {rows} ends at t = {ended:.17g}"
+                what = f"{self.path} is not what the checkpoint goes on from"
+                raise FileError(f"{what}: {found}, not {t:.17g}")
         join(run, self._draft, self._about, frames, rows)
         clear(self.folder)
         if run.dimension > 1 and after is None:
@@ -283,8 +292,8 @@ def lock(folder: Path, name: str) -> IO[str]:
 
 
 def clear(folder: Path) -> None:
-    """Remove pieces and drafts; the lock stays."""
-    for path in (*folder.glob("*.h5"), *folder.glob("*.new")):
+    """Remove pieces, the last one first, and drafts; the lock stays."""
+    for path in (*sorted(folder.glob("*.h5"), reverse=True), *folder.glob("*.new")):
         path.unlink()
 
 
