@@ -174,10 +174,8 @@ class Problem:
 
     def jumps_at(self, k: int, t: float) -> list[float]:
         """The prescribed jumps at interface k at time t [s]. InputError."""
-        where, names = (
-            f"jumps at interface {k} at t = {t:.6g}",
-            ("g_u", "g_stress", "g_T", "g_flux"),
-        )
+        where = f"jumps at interface {k} at t = {t:.6g}"
+        names = "g_u", "g_stress", "g_T", "g_flux"
         return [float(g[0]) for g in checked(cast(Any, self.jumps), (k, t), NOWHERE, names, where)]
 
     @property
@@ -218,9 +216,9 @@ class Problem:
         }
 
 
-def check_place(layer: FluidLayer, end: Any, x: float, h: float) -> None:
-    """InputError if an end of a gas does not stand at x, to within a cell of h [m]."""
-    if abs(end.x - x) > h:
+def check_place(layer: FluidLayer, end: Any, x: float, nearest: float) -> None:
+    """InputError if an end of a gas does not stand at x, as near as this [m]."""
+    if abs(end.x - x) > nearest:
         what = f"{layer}: its {type(end).__name__} stands at x = {end.x:g}"
         raise InputError(f"{what}: expected the end of its grid, {x:g}")
 
@@ -231,7 +229,9 @@ def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
     """
     blocks, least = [], OPERATORS[order].min_points - 1
     if problem.jumps is not None:
-        raise InputError("jumps of layers are for -fsi_coupling projection, energy, traditional")
+        raise InputError(
+            "Problem: jumps of layers are for -fsi_coupling projection, energy, traditional"
+        )
     for k, layer in enumerate(problem.layers):
         cells = layer.cells or layer.fitting(h)
         if layer.kind == "solid":
@@ -244,18 +244,15 @@ def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
 
 
 def _gas(problem: Problem, k: int, cells: int) -> Block:
-    """A layer of gas, whose grid begins and ends where walls and open ends at rest are. InputError
-    where these are more than a cell from the layer's ends.
+    """A layer of gas. InputError where walls at rest and open ends are not at the layer's ends, for
+    its grid would have another mass.
     """
     layer: Any = problem.layers[k]
-    grid = list(layer.X)
-    for side in (0, 1):
-        end: Any = problem.end(k, side)
+    for x, end in zip(layer.X, (problem.end(k, 0), problem.end(k, 1)), strict=True):
         if end is not None and not (isinstance(end, Wall) and end.moves):
-            check_place(layer, end, grid[side], (layer.X[1] - layer.X[0]) / cells)
-            grid[side] = end.x
+            check_place(layer, end, x, 1e-9 * (layer.X[1] - layer.X[0]))
     functions = layer.initial, layer.forcing, layer.exact
-    return Block(layer.name, layer.material, rectangle(*grid), (cells,), *functions)
+    return Block(layer.name, layer.material, rectangle(*layer.X), (cells,), *functions)
 
 
 def _solid(layer: Any, cells: int) -> Block:

@@ -263,7 +263,7 @@ def layers_of(
         v.op, v.closure, v.least = op, closure_of(op), least
         v.narrow = opt["fsi_viscous"] == "narrow"
         v.own = share.part(comm.rank)[0] if comm.rank in share.ranks else (0, 0)
-        v.known = max(v.own[0] - halo, 0), min(v.own[1] + halo, size)
+        v.known = (max(v.own[0] - halo, 0), min(v.own[1] + halo, size)) if v.own[1] else v.own
         v.at, v.begin, v.bounds = at[k], begin, steps.bounds[2 * k :][:2]
         v.active, v.frame, v.given = np.array([lo, hi]), planes[0, 2 * k :][:2], np.zeros((2, 5))
         v.local, v.y, v.total = (of[at[k] : at[k + 1]].reshape(shape) for of in planes)
@@ -282,11 +282,8 @@ def routes_of(layers: Sequence[Layer], me: int) -> list[Route]:
     """
     found = []
     for layer in layers:
-        ranks, cuts, halo = (
-            layer.share.ranks,
-            layer.share.cuts[0],
-            np.arange(halo_of_rates(layer.op)),
-        )
+        ranks, cuts = layer.share.ranks, layer.share.cuts[0]
+        halo = np.arange(halo_of_rates(layer.op))
         for pair, cut in zip(pairwise(ranks), cuts[1:]):
             beside = layer.places(cut - 1 - halo), layer.places(cut + halo)
             found += swapped(me, pair, beside)

@@ -111,7 +111,9 @@ def pieces(layer):
 
 
 def beginning_at(place, rows):
-    """Rows of which number 0 is at a place of theirs."""
+    """The same rows of scratch, with point 0 at this place of theirs; where that is before the
+    first number, point 0 is not among those at work.
+    """
     return rows.reshape(-1)[place:].reshape(*rows.shape)
 
 
@@ -163,7 +165,7 @@ def gas_rates(layer):
             u[i], T[i] = v, gas.law.temperature(rho[i], e[i] * r - 0.5 * v * v)
         _, _, A, B = span
         ghost, interface = (B, A) if layer.side else (A, B)
-        if kind.gradient:  # u and T of the ghost point are others for the gradients
+        if kind.gradient:  # u and T of the ghost point are others from here on, for the gradients
             own_u, own_T = variable(), variable()
             with when((v0 <= ghost) & (ghost < v1)):
                 own_u.value, own_T.value = u[ghost], T[ghost]
