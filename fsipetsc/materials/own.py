@@ -24,9 +24,10 @@ from fsipetsc.materials.stiffened_gas import PerfectGas
 from fsipetsc.materials.sutherland import ConstantTransport
 
 Formula = Callable[..., Any]
-#: kind of law -> what makes one of functions, and a class that has all formulas
-GAS, SOLID = ("gas_law", PerfectGas), ("solid_law", NeoHookean)
-TRANSPORT, PRESSURE = ("transport_law", ConstantTransport), ("mie_gruneisen", ConstantPressure)
+#: kind of law -> what makes one, and a class that has all formulas
+GAS, SOLID = ("stiffened_gas or gas_law", PerfectGas), ("solid_law", NeoHookean)
+TRANSPORT = "sutherland or transport_law", ConstantTransport
+PRESSURE = "gruneisen or mie_gruneisen", ConstantPressure
 
 
 def along(formula, numbers, direction):
@@ -171,16 +172,17 @@ def checked_law(law: Any, what: str, kind: tuple[str, type]) -> Any:
     """The law with floats as its numbers; InputError if it lacks a formula of its kind, or has
     numbers out of its ``ranges``.
     """
-    maker, like = kind
-    for name in dir(like):
-        if name[0] != "_" and name not in like._fields and not hasattr(law, name):
-            expected = f"expected what {maker}(…) returns"
-            raise InputError(f"{what} is {described(law)}, which has no '{name}': {expected}")
+    makers, like = kind
+    others = {*like._fields, *dir(tuple)}
+    names = (name for name in dir(like) if name[0] != "_" and name not in others)
+    wrong = [f"has no '{name}'" for name in names if not hasattr(law, name)]
+    if wrong or not isinstance(law, tuple):
+        found = f"{what} is {described(law)}, which {[*wrong, 'is no NamedTuple'][0]}"
+        raise InputError(f"{found}: expected what {makers} returns, or a law like that")
     law = type(law)(*(float(v) if type(v) is int else v for v in law))
     bounds = law.ranges() if hasattr(law, "ranges") else ()
     for name, value, bound in zip(law._fields, law, bounds):
-        if value is not None:
-            law = law._replace(**{name: number(value, f"{what}: {name}", bound)})
+        law = law._replace(**{name: number(value, f"{what}: {name}", bound)})
     return law
 
 
@@ -208,6 +210,26 @@ def check_inverses(law: Any, rho: Any, T: Any, owner: str) -> None:
             if np.any(wrong := ~(np.abs(found - wanted) <= 1e-6 * wanted)):
                 one, other = (np.broadcast_to(v, wrong.shape)[wrong][0] for v in (found, wanted))
                 raise InputError(f"{owner}: {formula} is {one:.6g}: expected {other:.6g}")
+
+
+def check_pressure_law(law: Any, m0: float, alpha: float, what: str) -> None:
+    """InputError if formulas of a pressure return no number, or are not derivatives of pressure."""
+    for name in ("pressure", "pressure_by_temperature", "stiffness"):
+        _check(f"{what}: {name}", getattr(law, name), _symbols(0, 0, 0, 0), numbers_of)
+    J, T = at = np.array([0.96, 1.04] * 2), np.repeat([1.0, 300.0], 2)
+    with np.errstate(all="ignore"):
+        p = law.pressure(*at, m0, alpha)
+        p_J, p_T = (
+            along(lambda J, T: law.pressure(J, T, m0, alpha), at, way)
+            for way in ((1.0, 0.0), (0.0, 1.0))
+        )
+        pairs = {"stiffness": ("-J dp/dJ", -J * p_J), "pressure_by_temperature": ("dp/dT", p_T)}
+        for name, (formula, wanted) in pairs.items():
+            found, wanted = np.broadcast_arrays(getattr(law, name)(*at, m0, alpha), wanted, J)[:2]
+            wrong = np.isfinite(wanted) & ~np.isclose(found, wanted, 1e-6, 1e-12 * abs(p))
+            for k in np.flatnonzero(wrong)[:1]:
+                where = f"{what}: {name} at J = {J[k]:g}, T = {T[k]:g} is {found[k]:.6g}"
+                raise InputError(f"{where}: expected {formula} = {wanted[k]:.6g}")
 
 
 def check_solid_law(law: Any, d: int) -> None:

@@ -57,7 +57,8 @@ class ElasticSolid:
             wanted = "expected 'coupled' or 'elastic'"
             raise InputError(f"ElasticSolid: heat is {described(self.heat)}: {wanted}")
         object.__setattr__(self, "force", force_in(self.force, 0, "ElasticSolid"))
-        law, _ = self.solid_law, self.pressure_law  # which checks both
+        law = self.solid_law
+        own.check_pressure_law(self.pressure_law, self.m0, self.alpha, "ElasticSolid: pressing")
         if self.heat == "elastic" and not own.knows_energy(law):
             raise InputError("ElasticSolid: no formula energy(F), which heat='elastic' needs")
 
@@ -152,7 +153,7 @@ class Solid:
         numbers(self, "Solid", {**ranges, "force": ANY, "gruneisen": NONNEGATIVE})
         if self.pressing is not None and self.gruneisen != 0.0:
             raise InputError(f"Solid: gruneisen is {self.gruneisen:g} beside pressing: expected 0")
-        self.pressure_law  # noqa: B018  (checks it)
+        own.check_pressure_law(self.pressure_law, self.m0, self.alpha, "Solid: pressing")
 
     @property
     def pressure_law(self) -> Any:

@@ -4,7 +4,7 @@
 
 from typing import NamedTuple
 
-from fsipetsc.checks import NONNEGATIVE, POSITIVE
+from fsipetsc.checks import NONNEGATIVE, POSITIVE, number
 
 
 class ConstantPressure(NamedTuple):
@@ -67,7 +67,8 @@ class mie_gruneisen(NamedTuple):
     T_0: float
 
     def ranges(self):
-        return POSITIVE, f"not below {max(self.G_0 / 4.0, 0.0):.17g}", NONNEGATIVE, POSITIVE
+        G_0 = number(self.G_0, "mie_gruneisen: G_0", NONNEGATIVE)
+        return POSITIVE, f"not below {G_0 / 4.0:.17g}", NONNEGATIVE, POSITIVE
 
     def pressure(self, J, T, m0, alpha):
         eta = 1.0 - J

@@ -19,7 +19,13 @@ class ConstantTransport(NamedTuple):
     conductivity = viscosity  # kappa(T)/kappa
 
 
-class sutherland(NamedTuple):
+class _Sutherland(NamedTuple):
+    T_ref: float
+    S: float
+    S_kappa: float
+
+
+class sutherland(_Sutherland):
     """For `Fluid(transport=…)`: mu(T)/mu = (T/T_ref)^(3/2) (T_ref + S)/(T + S), and so for kappa.
 
     Source: W. Sutherland, Philosophical Magazine 36 (1893) 507. S of gases: F. M. White, Viscous
@@ -31,9 +37,8 @@ class sutherland(NamedTuple):
         S_kappa: that of the conductivity [K]; None: S.
     """
 
-    T_ref: float
-    S: float
-    S_kappa: float | None = None
+    def __new__(cls, T_ref: float, S: float, S_kappa: float | None = None):
+        return super().__new__(cls, T_ref, S, S if S_kappa is None else S_kappa)
 
     def ranges(self):
         return POSITIVE, NONNEGATIVE, NONNEGATIVE
@@ -43,5 +48,4 @@ class sutherland(NamedTuple):
         return ratio * np.sqrt(ratio) * ((self.T_ref + self.S) / (T + self.S))
 
     def conductivity(self, T):
-        S = self.S if self.S_kappa is None else self.S_kappa
-        return self._replace(S=S).viscosity(T)
+        return self._replace(S=self.S_kappa).viscosity(T)
