@@ -30,7 +30,7 @@ from fsipetsc.scheme.dissipation import AT_SHOCKS, GasDamping, SolidDamping
 from fsipetsc.scheme.faces import normals
 from fsipetsc.scheme.gas_sweep import GasSweep, gas_kernels
 from fsipetsc.scheme.gas_terms import CONSERVED, add_force, add_radial, convection_of
-from fsipetsc.scheme.monitor import COLUMNS, ROOM
+from fsipetsc.scheme.monitor import COLUMNS, MONITORED
 from fsipetsc.scheme.part import images, rates
 from fsipetsc.scheme.solid_sweep import WIDTH, SolidSweep, solid_kernels
 from fsipetsc.scheme.sweep import text_of
@@ -127,7 +127,7 @@ class GasPart(BlockPart):
             hoops=room if around else None,
             column=number,
             places=self._places,
-            room=np.zeros((ROOM, COLUMNS)),
+            room=np.zeros((MONITORED + len(begins), COLUMNS)),
             masses=self.weights,
             follows=self._particles,
             rows=self.gather.rows,
@@ -285,7 +285,7 @@ class SolidPart(BlockPart):
             adds=(),
             inertia=self.inertia,
             prestress=self.prestress,
-            room=np.zeros((ROOM, part.patch.own[0])),
+            room=np.zeros((MONITORED + len(begins), part.patch.own[0])),
             masses=self.weights * self.inertia[self.owned],
             F=self.F,
             interfaces=np.array(ends, np.int64).reshape(-1, 2),

@@ -41,9 +41,10 @@ WIDE = "-mprefer-vector-width=512"
 OF_GCC, TUNED = "-fno-tree-pre", "-mtune=skylake-avx512"
 #: how flags begin that let results depend on the compiler
 REFUSED = tuple(
-    "-ffast-math -Ofast -funsafe -fassociative -freciprocal -ffinite -fno-signed -mrecip "
-    "-ffp-contract=fast -ffp-contract=on -ffp-model -fapprox -mdaz -fno-honor -fdenormal -mfpmath "
-    "-fsingle".split()
+    "-ffast-math -Ofast -funsafe-math-optimizations -fassociative-math -freciprocal-math -mrecip "
+    "-ffinite-math-only -fno-signed-zeros -ffp-contract=fast -ffp-contract=on -ffp-model "
+    "-fapprox-func -mdaz-ftz -fno-honor-nans -fno-honor-infinities -fdenormal-fp-math -mfpmath "
+    "-fsingle-precision-constant".split()
 )
 MISSING = (
     "no C compiler was found, which computing needs: install gcc or clang (Debian: apt-get install "
@@ -99,7 +100,9 @@ def _target(cc: str, cflags: str) -> tuple[tuple[str, ...], str]:
 @cache
 def _processor() -> str:
     """Return a text that tells apart processors with different instruction sets."""
-    known = re.search("^(flags|Features).*", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
+    known = None
+    with suppress(OSError):
+        known = re.search("^(flags|Features).*", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
     return f"{platform.machine()} {known and known[0]}"
 
 
@@ -174,6 +177,8 @@ def made(texts: Sequence[str]) -> list[bytes]:
     """Compile texts in C, all at once, which takes seconds, and return the bytes of their
     libraries, as they are kept. InputError, FileError.
     """
+    if not texts:  # needs no compiler
+        return []
     try:
         with tempfile.TemporaryDirectory(prefix="fsipetsc-") as place:
             paths = [os.path.join(place, f"kernels{k}") for k in range(len(texts))]

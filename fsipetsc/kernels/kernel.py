@@ -69,9 +69,9 @@ class Kernel:
 
     def parameters(self, equations: Any) -> Any:
         """The same equations with their floats as arguments of the kernel: the array p, as
-        `numbers_of` has it. Other numbers (int, bool) become text.
+        `floats_of` has it. Other numbers (int, bool) become text.
         """
-        of = (self.read("p", SHARED, 1, n)[0] for n, _ in enumerate(numbers_of(equations)))
+        of = (self.read("p", SHARED, 1, n)[0] for n, _ in enumerate(floats_of(equations)))
         return _replaced(equations, lambda number: next(of))
 
     def store(self, array: str, layout: str, values: Sequence[Any], first: int = 0) -> None:
@@ -146,7 +146,7 @@ def _replaced(equations: Any, of: Callable[[float], Any]) -> Any:
     return type(equations)(*made) if hasattr(equations, "_fields") else tuple(made)
 
 
-def numbers_of(equations: Any) -> list[float]:
+def floats_of(equations: Any) -> list[float]:
     """The floats of equations, in the order in which kernels take them as parameters."""
     found = list[float]()
     _replaced(equations, found.append)

@@ -288,7 +288,9 @@ class Array(NDArrayOperatorsMixin):
         """The same numbers, which lie behind one another, in rows of other lengths; -1 alone: as
         many as there are.
         """
-        shape = (self.size,) if is_whole(shape[0], -1) else shape
+        shape = (self.size,) if len(shape) == 1 and is_whole(shape[0], -1) else shape
+        if any(is_whole(length, -1) for length in shape):
+            raise refuse("-1 is the length of one axis alone: name all lengths")
         if str(self._steps) != str(Array(self._base, self.dtype, self.shape)._steps):
             raise refuse("the numbers of this part of an array do not lie behind one another")
         return Array(self._base, self.dtype, shape, self._at)
@@ -327,6 +329,8 @@ class Array(NDArrayOperatorsMixin):
         """Store a number, a tuple of the numbers of an axis, or the same one everywhere."""
         part = self._part(at)
         if isinstance(value, tuple):
+            if isinstance(part.shape[0], Integral) and part.shape[0] != len(value):
+                raise refuse(f"{len(value)} numbers for {part.shape[0]}")
             for c, one in enumerate(value):
                 part[c] = one
         elif part.shape:

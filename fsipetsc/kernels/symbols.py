@@ -209,20 +209,22 @@ def exact(x: Any) -> Any:
 def _simplified(record: Record, operation: str, operands: tuple[Symbol, ...]) -> Symbol | None:
     """Return what the operation gives without being recorded, as x + 0 is x, or None."""
     values = [operand.value for operand in operands]
-    a, b, x, y = operands[0], operands[-1], values[0], values[-1]
-    if operation == "/" and y == 0.0:
+    first, last = operands[0], operands[-1]
+    of_first, of_last = (operation, first.value), (operation, last.value)
+    if of_last == ("/", 0.0):
         raise refuse("it divides by a constant 0")
     if operation in ("+", "-", "*", "/", "neg", "abs") and None not in values:
-        return record.constant(_FUNCTIONS[operation](*values))
-    if (operation, x) in (("+", 0.0), ("*", 1.0)):
-        return b
-    if (operation, y) in (("+", 0.0), ("-", 0.0), ("*", 1.0), ("/", 1.0)):
-        return a
-    if (operation, x) in (("*", 0.0), ("/", 0.0)) or (operation, y) == ("*", 0.0):
+        with np.errstate(all="ignore"):
+            return record.constant(_FUNCTIONS[operation](*values))
+    if of_first in (("+", 0.0), ("*", 1.0)):
+        return last
+    if of_last in (("+", 0.0), ("-", 0.0), ("*", 1.0), ("/", 1.0)):
+        return first
+    if of_first in (("*", 0.0), ("/", 0.0)) or of_last == ("*", 0.0):
         return record.constant(0.0)
-    if (operation, x) == ("-", 0.0):
-        return record.apply("neg", b)
-    return b if operation == "where" and operands[1] is b else None
+    if of_first == ("-", 0.0):
+        return record.apply("neg", last)
+    return last if operation == "where" and operands[1] is last else None
 
 
 def _power(record: Record, base: Any, exponent: Any) -> Any:

@@ -27,7 +27,7 @@ from fsipetsc.equations.gas import NEAR
 from fsipetsc.equations.tensors import outer
 from fsipetsc.equations.vectors import add, along, mean, scale, sub
 from fsipetsc.kernels.arrays import Array, aligned
-from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel, numbers_of
+from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel, floats_of
 from fsipetsc.kernels.loops import each, named, pick, when
 from fsipetsc.operators.bands import Band, Patch
 from fsipetsc.scheme.gas_terms import Form
@@ -93,7 +93,7 @@ class GasSweep(Sweep):
     """
 
     def __init__(self, gas: Any, d: int, kernels: Any, bands: Any, patch: Patch) -> None:
-        self.kernels, self.p = kernels, np.array([*numbers_of(gas), 0.0])
+        self.kernels, self.p = kernels, np.array([*floats_of(gas), 0.0])
         far = 1 + kernels.viscous
         x, inner, last = in_order(bands, d)
         _, _, n = in_order(patch.ghosted, d)

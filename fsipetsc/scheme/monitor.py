@@ -14,8 +14,8 @@ from fsipetsc.scheme.observables import PLACES
 from fsipetsc.scheme.part import ghosted_node, rows_of
 from fsipetsc.scheme.plan import BAD, RATE, SAID_STOP, STOP
 
-#: columns of a room; the most rows that a block needs
-COLUMNS, ROOM = 64, 14
+#: columns of a room
+COLUMNS = 64
 #: how many extremes a block has: 1 if a state is unphysical, largest rates of convection and of
 #: diffusion [1/s], minus the least J, largest |J - det D x| / J; the places of two of them
 MONITORED, CONVECTION, LEAST_J = 5, 1, 3

@@ -33,6 +33,8 @@ the ghosted array, in d dimensions it has
     interface at this part in one dimension, and owned row of its node. stored_at: (n,) ghosted rows
     of members that tell what they store, rows_of_stored: (n,) where.
 
+All ``terms`` are called alike, all ``adds``, and all ``supplies``: some do not read all they take.
+
 ``gain`` is a record of what comes into the problem from outside. numbers: all that follow, in the
 order of the record of a step. mass: of each block of gas. lost: (1,) work on solids if it is
 booked, else (0,). work: (1,) work of constant forces if there are any, else (0,). impulse: (d,).

@@ -27,7 +27,7 @@ import numpy as np
 from fsipetsc.equations.tensors import add_unit, apply, column_sums, product, transpose
 from fsipetsc.equations.vectors import add, along, dot, scale, sub, total
 from fsipetsc.kernels.arrays import Array, aligned
-from fsipetsc.kernels.kernel import OWNED, PLANES, ROWS, SHARED, Kernel, numbers_of
+from fsipetsc.kernels.kernel import OWNED, PLANES, ROWS, SHARED, Kernel, floats_of
 from fsipetsc.kernels.loops import each, named, otherwise, pick, when
 from fsipetsc.operators.bands import Patch
 from fsipetsc.scheme.sweep import KINDS, Sweep, in_order, order, parts, pieces, store
@@ -115,7 +115,7 @@ class SolidSweep(Sweep):
 
     def __init__(self, solid: Any, d: int, kernels: Any, bands: Any, patch: Patch) -> None:
         bands, patch = in_order(bands, d), Patch(*(in_order(of_axes, d) for of_axes in patch))
-        self.kernels, self.p = kernels, np.array([*numbers_of(solid), 0.0])
+        self.kernels, self.p = kernels, np.array([*floats_of(solid), 0.0])
         conducts, pairs = kernels.conduct is not None, kernels.pairs
         self.boxes = boxes_of(bands, patch, d, conducts)
         known, *stages = [tuple(box) for box in self.boxes[0, :, 2].tolist()]  # those of all tiles
