@@ -266,9 +266,10 @@ class BlockProblem:
         for k, block in enumerate(self.blocks):
             if block.kind == "fluid":
                 law = block.material.gas_law
-                same = (n for n, other in enumerate(self.gas_laws) if _same(law, other))
-                self._law_of[k] = next(same, len(self.gas_laws))
-                self.gas_laws = (*self.gas_laws, law)[: max(self._law_of.values()) + 1]
+                same = [n for n, other in enumerate(self.gas_laws) if _same(law, other)]
+                self._law_of[k] = same[0] if same else len(self.gas_laws)
+                if not same:
+                    self.gas_laws = (*self.gas_laws, law)
         for members in self.members if len(self.gas_laws) > 1 else ():
             gases = [k for k, _ in members if k in self._law_of]
             if len({self._law_of[k] for k in gases}) > 1:

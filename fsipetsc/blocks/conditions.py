@@ -270,9 +270,9 @@ class Open(Condition):
     comes from. If no such gas can be, the flux of Lax and Friedrichs passes.
 
     Args:
-        rho: density of the gas beyond [kg/m3].
+        rho: density of the gas beyond [kg/m3], a number or a function of (*X, t).
         u: its velocity [m/s]: d numbers, or `u(*X, t)`, which returns d arrays.
-        T: its temperature [K].
+        T: its temperature [K], likewise.
         order: order of the conditions in viscosity and conduction, 0 or 1.
     """
 

@@ -193,7 +193,8 @@ def blend_of(
         for k, (begin, end) in enumerate(ranges):
             begin = begin if block.periodic[k] else max(begin, 0)
             first[k], sizes[k] = int(np.searchsorted(index[k], begin)), end - begin
-            for side in () if block.periodic[k] else (centred and k == d - 1, 1):
+            first_side = 1 if centred and k == d - 1 else 0  # the centre is no end
+            for side in () if block.periodic[k] else range(first_side, 2):
                 face = side * (shape[k] - 1)
                 ends[side][k] = face - begin if begin <= face < end else -1
         layer, images = int(np.prod(sizes[: d - 1])), centred * max(-ranges[-1][0], 0)

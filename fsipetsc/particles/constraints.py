@@ -30,7 +30,7 @@ REDUNDANT = 1e-9
 
 
 class Facts:
-    """What record.facts has of particle p."""
+    """What record.facts has of particle p: ``one.count`` is record.facts.count[p]."""
 
     def __init__(self, record, p):
         self._facts, self._p = record.facts, p
@@ -262,7 +262,7 @@ def share_heat(law, which, record, gain):
 def warm_solids(record, gain):
     """The solids whose temperature is given get it."""
     for p in each(record.mass.size):
-        with when((record.facts.warm_solid[p] == 1) & (record.solid_mass[p] > 0.0)):
+        with when((Facts(record, p).warm_solid == 1) & (record.solid_mass[p] > 0.0)):
             warm_the_solid(record, gain, p, rest_of(record, p), record.data.T_solid[p])
 
 

@@ -147,8 +147,9 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
     for face in found:
         _take_over(particle, face, problem.blocks[face.block].kind == "fluid")
     particle.held = [face for face in found if face.met.part or face.met.all_given]
-    for member in sorted(problem.hinges.intersection(members))[:1]:
-        particle.held.insert(0, hinge := Face(*member, -1, 0, Clamped()))
+    if hinges := problem.hinges.intersection(members):
+        hinge = Face(*min(hinges), -1, 0, Clamped())
+        particle.held.insert(0, hinge)
         particle.faces.setdefault("clamp", hinge)
     if "given_solid" in particle.faces:
         particle.faces.pop("clamp", None)

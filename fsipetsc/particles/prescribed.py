@@ -142,7 +142,8 @@ class Prescribed:
         for faces, who in self._meetings():
             both = [self._velocities(face.met, who, times) for face in faces]
             most = APART * np.maximum(*(np.linalg.norm(v, axis=1) for v in both))
-            names = (f"the velocity of {face.said(self._problem)}" for face in faces)
+            one, other = (face.said(self._problem) for face in faces)
+            names = f"the velocity of {one}", f"that of {other} which meets it there,"
             self._require(*both, most, who, times, *names, NO_GRID)
 
     def _velocities(self, condition: Any, who: Any, times: Sequence[float]) -> Array:

@@ -133,8 +133,9 @@ def impose_conditions(record, gain, y):
     """
     if record.slips:
         for p in each(record.mass.size):
-            with when(record.facts.count[p] > 0):
-                constraints.slide(record, gain, p, constraints.Facts(record, p))
+            one = constraints.Facts(record, p)
+            with when(one.count > 0):
+                constraints.slide(record, gain, p, one)
     for number, law in enumerate(record.laws):
         constraints.share_heat(law, number, record, gain)
     constraints.warm_solids(record, gain)
@@ -168,7 +169,7 @@ def give_state(record, y):
             alone = y[at(2 * d)] + change
             for c in range(d):
                 y[at(c)], y[at(d + c)] = D[c], v[c]
-            y[at(2 * d)] = np.where(record.facts.one_T[p] == 1, shared, alone)
+            y[at(2 * d)] = np.where(constraints.Facts(record, p).one_T == 1, shared, alone)
 
 
 def end_rates(record, gain, y, f):

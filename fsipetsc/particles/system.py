@@ -2,7 +2,7 @@
 ranks, prescribed data.
 
 Owners of the members of a particle send each other what is extensive of them; each adds it up in
-the same order and solves the same small system: see fsipetsc.particles.procedures.
+the same order and solves the same small system: see fsipetsc.particles.constraints.
 """
 
 from collections.abc import Callable, Sequence
