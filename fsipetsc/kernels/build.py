@@ -174,8 +174,8 @@ def _warn(text: str) -> None:
 
 
 def made(texts: Sequence[str]) -> list[bytes]:
-    """Compile texts in C, all at once, which takes seconds, and return the bytes of their
-    libraries, as they are kept. InputError, FileError.
+    """Compile texts in C, which takes seconds, and return the bytes of their libraries, as they are
+    kept. InputError, FileError.
     """
     if not texts:  # needs no compiler
         return []
@@ -213,20 +213,21 @@ def loaded(name: str, given: Mapping[str, bytes]) -> ctypes.CDLL:
 
 
 def _run(commands: Sequence[Sequence[str]], doing: str) -> list[bytes]:
-    """What commands print, which run at the same time. InputError with the first error on stderr of
-    one that fails; whatever happens, none is left running.
+    """What commands print; at most two for each core run at once. InputError with the first error
+    on stderr of one that fails; the others are told to end, what they have started may run on.
 
     With close_fds=False Python starts them without a copy of this process: MPI could not bear one.
     """
     pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     running, printed = list[subprocess.Popen[bytes]](), list[bytes]()
+    cores = len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
     try:
-        for command in commands:
-            running.append(subprocess.Popen(command, close_fds=False, **pipes))
-        for process, command in zip(running, commands):
-            out, said = process.communicate()
+        for k, command in enumerate(commands):
+            for other in commands[len(running) : k + 2 * cores]:
+                running.append(subprocess.Popen(other, close_fds=False, **pipes))
+            out, said = running[k].communicate()
             printed.append(out)
-            if process.returncode != 0:
+            if running[k].returncode != 0:
                 lines = said.decode(errors="replace").strip().splitlines() or ["no message"]
                 first = next((line for line in lines if "error" in line), lines[0])
                 first += f" (the command was: {shlex.join(command)})"
@@ -235,5 +236,5 @@ def _run(commands: Sequence[Sequence[str]], doing: str) -> list[bytes]:
         raise InputError(f"{doing} failed: {commands[0][0]}: {error.strerror}") from error
     finally:
         for process in running:
-            process.kill()
+            process.terminate()  # not killed: gcc removes its temporary files
     return printed
