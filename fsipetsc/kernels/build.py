@@ -61,7 +61,7 @@ _loaded: dict[str, ctypes.CDLL] = {}
 def _compiler(given: str) -> tuple[str, ...]:
     """Return the command of the C compiler; given: CC. InputError if there is none."""
     if given:
-        command = shlex.split(given)
+        command = _words("CC", given)
         found = shutil.which(command[0]) if command else None
         if found is None:
             raise InputError(f"CC is {given!r}: no such program was found")
@@ -74,6 +74,14 @@ def _compiler(given: str) -> tuple[str, ...]:
     raise InputError(MISSING)
 
 
+def _words(name: str, given: str) -> list[str]:
+    """The words of a variable of the environment. InputError for an open quote."""
+    try:
+        return shlex.split(given)
+    except ValueError as error:
+        raise InputError(f"{name} is {given!r}: {str(error).lower()}") from error
+
+
 def _environment() -> tuple[str, str]:
     return os.environ.get("CC", ""), os.environ.get("CFLAGS", "")
 
@@ -84,7 +92,7 @@ def _target(cc: str, cflags: str) -> tuple[tuple[str, ...], str]:
     it depends on: the compiler's version, the instruction set of this machine. InputError for flags
     that would change bits, and without a compiler.
     """
-    command, own = _compiler(cc), shlex.split(cflags)
+    command, own = _compiler(cc), _words("CFLAGS", cflags)
     for name, given in (("CC", command[1:]), ("CFLAGS", own)):
         for flag in given:
             if flag.startswith(REFUSED):
@@ -207,6 +215,8 @@ def loaded(name: str, given: Mapping[str, bytes]) -> ctypes.CDLL:
                 file.write(given[name])
                 file.flush()
                 _loaded[name] = ctypes.CDLL(file.name)
+    except KeyError as error:  # it was there when the ranks agreed on who lacks what
+        raise FileError(f"compiled kernels are gone: {folder() / name}") from error
     except OSError as error:
         raise FileError(f"compiled kernels cannot be loaded: {error}") from error
     return _loaded[name]

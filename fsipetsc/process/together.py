@@ -78,11 +78,12 @@ def libraries(
     says = announce if comm.rank == 0 else lambda text: None
     names = together(comm, lambda: [build.name_of(text) for text in texts])
     text_of, sent = dict(zip(names, texts, strict=True)), dict[str, bytes]()
-    lacking = comm.allgather(sorted(filter(build.lacks, text_of)))
+    lacking = comm.allgather(together(comm, lambda: sorted(filter(build.lacks, text_of))))
     # name -> the rank that compiles it: the lowest one that lacks it
     makers = {name: k for k, some in reversed([*enumerate(lacking)]) for name in some}
     for name, text in text_of.items() if build.keeps_text and comm.rank == 0 else ():
-        says(f"C text of kernels: {build.keep(name.replace('.so', '.c'), text.encode())}")
+        if path := build.keep(name.replace(".so", ".c"), text.encode()):
+            says(f"C text of kernels: {path}")
     if makers:
         begin, mine = time.monotonic(), [name for name, k in makers.items() if k == comm.rank]
         says(f"compiling the kernels of this case (libraries: {len(makers)})")
