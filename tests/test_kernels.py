@@ -230,9 +230,8 @@ def test_ranks_agree_on_who_compiles(kind, tmp_path):
     write to the folder of one rank."""
     (tmp_path / "cache2").mkdir()
     (tmp_path / "cache2").chmod(0o777 if kind == "open" else 0o700)
-    (tmp_path / "program.py").write_text(
-        PROGRAM.format(tests=str(REPOSITORY / "tests"), root=str(REPOSITORY))
-    )
+    text = PROGRAM.format(tests=str(REPOSITORY / "tests"), root=str(REPOSITORY))
+    (tmp_path / "program.py").write_text(text)
     done = mpirun(3, "program.py", kind, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     told = [(tmp_path / f"told{rank}").read_text().strip() for rank in range(3)]
@@ -300,14 +299,9 @@ def test_two_runs_at_once_with_an_empty_cache(tmp_path):
 def test_a_signal_during_compilation_is_answered_at_once(tmp_path):
     """No thread waits for compilers. (The compiler here takes longer than a test may.)"""
     does = f"touch {tmp_path}/started; exec sleep 60"
-    process = subprocess.Popen(
-        [sys.executable, *RUN],
-        cwd=tmp_path,
-        env={**environment(), **compiler_that(does, tmp_path)},
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+    env = {**environment(), **compiler_that(does, tmp_path)}
+    pipes = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
+    process = subprocess.Popen([sys.executable, *RUN], cwd=tmp_path, env=env, **pipes)
     while not (tmp_path / "started").exists():
         assert process.poll() is None
         time.sleep(0.01)
