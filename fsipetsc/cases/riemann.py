@@ -26,6 +26,7 @@ from fsipetsc.boundaries import Wall, clamped, free
 from fsipetsc.cases import case
 from fsipetsc.cases.common import SHOCKS, Opt, gas_of, materials, solid_of, stack
 from fsipetsc.checks import Array, Fields
+from fsipetsc.errors import InputError
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import above_one
 from fsipetsc.problem import FluidLayer, SolidLayer
@@ -108,6 +109,8 @@ class Contact:
 
         high = 1.0
         apart = lambda p: float(self.behind(p).u - self.shock(p)[0])  # noqa: E731
+        if apart(LOW.p * (1.0 + 1e-9)) < 0.0:
+            raise InputError(f"no shock goes into the solid: the gas has {self.state}")
         while apart(high) > 0.0:
             high *= 2.0
         return float(brentq(apart, 1e-12 * high, high, xtol=1e-300, rtol=1e-15))

@@ -47,7 +47,7 @@ SECTIONS = {"Benchmark": (
     Option("bench_ranks", "ints", None, "", "numbers of ranks; else 1, 2, 4 …", check="positive"),
     Option("bench_seconds", float, 0.2, "s", "approximate length of a sample", check="positive"),
     Option("bench_repeats", int, 5, "", "samples; their median counts", check="positive"),
-    Option("bench_rod_program", str, None, "", "folder of another program"),
+    Option("bench_rod_program", str, None, "", "folder of another program for the rod"),
     Option("bench_square_program", str, None, "", "the same for gas | solid, 2-D"),
     Option("fsi_output", str, "bench", "", "base name of the table NAME.csv"),
     *(option for option in RUN if option.name in ("fsi_quiet", "fsi_partition")),

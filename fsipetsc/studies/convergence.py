@@ -78,7 +78,7 @@ def convergence(arguments: list[str], comm: Comm) -> None:
                 points, steps, _, seconds = (runs[h].summary[name] for name in COST)
                 cost = f"{points:>8.0f} points{steps:>8.0f} steps{seconds:>9.2f} s"
                 study.say(f"{OPERATORS[order].name}  h = {h:<9.6g}{cost}")
-            rows = rows_of(case.NAME, trial, opt, exact, runs)
+            rows = together(comm, partial(rows_of, case.NAME, trial, opt, exact, runs))
             study.say("\n" + table([trials.HEAD, *(row.cells for row in rows)], str.rjust))
             costs = [[run.summary[name] for name in COST] for run in runs.values()]
             for row in rows:
@@ -87,7 +87,7 @@ def convergence(arguments: list[str], comm: Comm) -> None:
                 if name == "combined":
                     panels.setdefault(kind, {})[OPERATORS[order].name] = row
             study.save([*trials.COLUMNS, *COST], lines)  # and again after each order
-    study.on_first(lambda: trials.picture(about, panels, study.path.with_suffix(".png")))
+            study.on_first(lambda: trials.picture(about, panels, study.path.with_suffix(".png")))
     study.say(f"\nsaved {study.path}")
 
 

@@ -133,6 +133,9 @@ def column_modes(state: BlockState, axis: int, n: int) -> tuple[Complex, list[Co
 def modes_near(state: BlockState, s: complex, count: int = 1) -> Complex:
     """Eigenvalues [1/s] next to s != 0, but those of what is at rest and stays so: the largest of A
     (A - s)^-2, so many, or all but 2. InputError where the state is not steady or none are found.
+
+    Two of A may be one of A (A - s)^-2, which gives mixtures of their vectors: those of A are found
+    in the space of all vectors; of one more than is asked for, as the last may be such a mixture.
     """
     state.set_initial()
     n, y = state.layout.local_size - state.layout.auxiliary, state.solution.array.copy()
@@ -147,11 +150,14 @@ def modes_near(state: BlockState, s: complex, count: int = 1) -> Complex:
     try:
         solve = splu(A - s * sparse.eye(n, format="csc")).solve
         inverse = LinearOperator((n, n), lambda v: solve(A @ solve(v)), dtype=complex)
-        vectors = eigs(inverse, min(count, n - 2), v0=np.ones(n, complex))[1]
+        vectors = eigs(inverse, min(count + 1, n - 2), v0=np.ones(n, complex))[1]
     except (RuntimeError, TypeError) as error:  # singular, without convergence, of 2 unknowns
         known = f"-modes_near {abs(s):g}, -modes_count {count}: no modes found ({error})"
         raise InputError(f"{known}; another frequency may help") from error
-    return np.array([np.vdot(v, A @ v) / np.vdot(v, v) for v in vectors.T])
+    basis = orth(vectors)
+    values = np.linalg.eigvals(basis.conj().T @ (A @ basis))
+    moving = values[np.abs(values) > AT_REST * np.abs(values).max()]
+    return moving[np.argsort(-np.abs(moving / (moving - s) ** 2))][:count]
 
 
 def scales(state: BlockState) -> Real:

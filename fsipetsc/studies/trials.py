@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 
 from fsipetsc.cases import case_of, load_case
 from fsipetsc.checks import Array
-from fsipetsc.errors import ComputationError, RanksError
+from fsipetsc.errors import ComputationError, InputError, RanksError
 from fsipetsc.options import defaults
 from fsipetsc.output import drawing
 from fsipetsc.output.reader import Run, open_run
@@ -168,7 +168,8 @@ class Trial:
 
     def solve(self, what: Any, end: float | None = None, **options: Any) -> Run:
         """Run a case, or a problem, to its end or to another time, and return its result. Too many
-        ranks: the first of them run it. Collective; FsiError; ComputationError names the grid.
+        ranks: the first of them run it. Collective; FsiError; ComputationError and InputError name
+        the grid.
         """
         from fsipetsc.stepping.run import REMAINS, run_case
 
@@ -186,9 +187,12 @@ class Trial:
             with suppress(*[RanksError] * (size > 1)):
                 try:
                     together(self.comm, action, asleep=True)
-                except ComputationError as error:  # what it computed is removed with the others
-                    told = str(error).partition(REMAINS)[0]
-                    raise ComputationError(f"order {self.order}, h = {self.h:g}: {told}") from None
+                except RanksError:
+                    raise
+                except (ComputationError, InputError) as error:
+                    told = str(error).partition(REMAINS)[0]  # the rest is removed with the others
+                    words = f"order {self.order}, h = {self.h:g}: {told}"
+                    raise type(error)(words) from None
                 break
         return together(self.comm, partial(open_run, opt["fsi_output"]))
 
