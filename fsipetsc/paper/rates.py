@@ -36,7 +36,7 @@ from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.paper.ends import beyond_boundary, distance, end_of, fill_ghost, move_boundary
 from fsipetsc.paper.stencils import STIFFNESS, add_remainder, derivatives, halo_of_rates, near_ends
 from fsipetsc.scheme.monitor import rate_of, survey
-from fsipetsc.scheme.plan import BAD, DT, RATE, SAID_STOP, STAGES, STOP, TOO_SHORT, factors
+from fsipetsc.scheme.plan import BAD, DT, RATE, SAID_STOP, STAGES, STOP, TOO_SHORT, next_stage
 
 #: rows of scratch, and with those of rates
 SCRATCH, ROWS = 12, 16
@@ -259,15 +259,13 @@ def advance(layer, rates, first, end):
                     if stage == RATES_ALONE:
                         q[i] = k
                         continue
-                    a, b = factors(stage, dt)
                     base = y[i] if stage else q[i]
-                    found = (total[i] if stage else base) + b * k
+                    before = total[i] if stage else base
+                    q[i], new_total = next_stage(stage, dt, k, base, before)
                     if stage == 0:
                         y[i] = base
-                    if stage == 3:
-                        q[i] = found
-                    else:
-                        total[i], q[i] = found, base + a * k
+                    if stage < 3:
+                        total[i] = new_total
 
 
 # after a step

@@ -65,31 +65,37 @@ def begin_stage(number: int | None) -> Callable[..., None]:
 
 
 def factors(number, dt):
-    """Return a and b of a stage, as `advance` uses them."""
+    """Return a and b of a stage, as `next_stage` uses them."""
     a = dt if number == 2 else 0.5 * dt
     return a, dt / 3.0 if 0 < number < 3 else dt / 6.0
 
 
-def advance(number: int) -> Callable[..., None]:
-    """Return the procedure of a stage, 0 to 3. It replaces the rates k, which sweeps have left in
-    f, by the next stage. With the base y at first, and total after that,
+def next_stage(number, dt, k, y, total):
+    """Return what follows from the rates k of a stage, 0 to 3: the next stage, and the sum that
+    becomes the solution. y: the solution before the step; total: the sum until now, y at first.
 
-        f = y + a k,   total = base + b k   a = dt/2, dt/2, dt;  b = dt/6, dt/3, dt/3
-        f = total + dt/6 k                  after the last one: the solution
+        stage = y + a k,   sum = total + b k      a = dt/2, dt/2, dt;  b = dt/6, dt/3, dt/3
+        stage = sum = total + dt/6 k              after the last one: the solution
+    """
+    a, b = factors(number, dt)
+    found = total + b * k
+    return found if number == 3 else y + a * k, found
+
+
+def advance(number: int) -> Callable[..., None]:
+    """Return the procedure of a stage, 0 to 3. It replaces the rates, which sweeps have left in f,
+    by the next stage.
     """
 
     def stage(found, f):
         """The next stage from rates, and the sum that becomes the solution."""
-        base, total, (a, b) = found.y, found.total, factors(number, found.plan.batch[DT])
+        y, total, dt = found.y, found.total, found.plan.batch[DT]
         for run in each(found.left.shape[0]):
             for i in each(found.left[run, 0], found.left[run, 1], vector=True):
-                k = f[i]
-                sum_of_stages = (base[i] if number == 0 else total[i]) + b * k
-                if number == 3:
-                    f[i] = sum_of_stages
-                else:
-                    f[i] = base[i] + a * k
-                    total[i] = sum_of_stages
+                before = y[i] if number == 0 else total[i]
+                f[i], new_total = next_stage(number, dt, f[i], y[i], before)
+                if number < 3:
+                    total[i] = new_total
 
     return stage
 
