@@ -4,56 +4,27 @@ Importing the package is cheap and needs neither PETSc nor MPI; opening a result
 h5py.
 """
 
-from __future__ import annotations
-
+import ast
 import importlib
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from fsipetsc.api import run
-    from fsipetsc.blocks.block import Block
-    from fsipetsc.blocks.block_problem import BlockProblem
-    from fsipetsc.boundaries import Dirichlet, Open, SolidEnd, Wall, absorbing, clamped, free
-    from fsipetsc.equations.piecewise import Piecewise
-    from fsipetsc.errors import ComputationError, FileError, FsiError, InputError
-    from fsipetsc.materials.fluid import Fluid
-    from fsipetsc.materials.solid import Solid
-    from fsipetsc.options import REQUIRED, Option
-    from fsipetsc.output.differences import compare
-    from fsipetsc.output.reader import Run, open_run
-    from fsipetsc.problem import FluidLayer, Problem, SolidLayer
+from pathlib import Path
+from typing import Any
 
 __version__ = "1.0.0"
-#: what is public, with the modules that docs/commands.md names; all else may change. Written out,
-#: so that type checkers see it
-__all__ = [
-    "REQUIRED", "Block", "BlockProblem", "ComputationError", "Dirichlet", "FileError", "Fluid",
-    "FluidLayer", "FsiError", "InputError", "Open", "Option", "Piecewise", "Problem", "Run",
-    "Solid", "SolidEnd", "SolidLayer", "Wall", "__version__", "absorbing", "clamped", "compare",
-    "free", "open_run", "run",
-]  # fmt: skip
-#: module -> what it has of these; imported when it is asked for
+#: what is public -> its module, imported when it is asked for: all that __init__.pyi, which type
+#: checkers read, imports. Public, too, are the modules that docs/commands.md names
 _HOMES = {
-    "api": ("run",),
-    "blocks.block": ("Block",),
-    "blocks.block_problem": ("BlockProblem",),
-    "boundaries": ("Dirichlet", "Open", "SolidEnd", "Wall", "absorbing", "clamped", "free"),
-    "equations.piecewise": ("Piecewise",),
-    "errors": ("ComputationError", "FileError", "FsiError", "InputError"),
-    "options": ("REQUIRED", "Option"),
-    "output.differences": ("compare",),
-    "output.reader": ("Run", "open_run"),
-    "materials.fluid": ("Fluid",),
-    "materials.solid": ("Solid",),
-    "problem": ("FluidLayer", "Problem", "SolidLayer"),
+    one.name: str(node.module)
+    for node in ast.parse(Path(__file__).with_suffix(".pyi").read_text()).body
+    if isinstance(node, ast.ImportFrom)
+    for one in node.names
 }
+__all__ = sorted([*_HOMES, "__version__"])
 
 
 def __getattr__(name: str) -> Any:
-    home = next((module for module, names in _HOMES.items() if name in names), None)
-    if home is None:
+    if name not in _HOMES:
         raise AttributeError(f"module 'fsipetsc' has no attribute {name!r}")
-    return getattr(importlib.import_module(f"fsipetsc.{home}"), name)
+    return getattr(importlib.import_module(_HOMES[name]), name)
 
 
 def __dir__() -> list[str]:

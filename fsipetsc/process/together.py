@@ -9,15 +9,13 @@ import time
 import traceback
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from fsipetsc.errors import FsiError, Interrupted, clear_frames, missing, petsc_words, reason
 from fsipetsc.process.program import abandon_output
 
-if TYPE_CHECKING:  # importing MPI starts it
-    from mpi4py.MPI import Comm as Comm
-else:
-    Comm = Any
+#: mpi4py.MPI.Comm, without an import, which would start MPI
+Comm = Any
 Result = TypeVar("Result")
 #: PETSc's error codes that stand for something other than a fault of the program
 _PETSC_STATUS = {55: 3, 65: 4, 66: 4, 67: 4, 72: 3, 82: 3, 91: 3}
