@@ -87,11 +87,12 @@ def widened(span, reach):
 
 
 def pieces(layer):
-    """(w, k, span) of pieces of the points: rows of scratch, and of the rates that are to be found,
-    which begin shortly before the first point. Where rates are added to something, that is there.
+    """Yield (w, k, span) for each piece of the points: rows of scratch, rows for the rates, and the
+    span of the piece. Both rows begin shortly before its first point. Where rates are added to
+    forcing or to narrow terms, k begins with the forcing, or with 0.
 
-    A piece makes the next stage of the points behind it, which no later piece reads: their rates
-    and unknowns are still in the fastest memory.
+    After a piece the points that no later piece reads get their next stage: their rates and
+    unknowns are still in the fastest memory.
     """
     (begin, end, A, B), behind = layer.span, halo_of_rates(layer.op)
     rates = layer.scratch[SCRATCH:]
@@ -229,25 +230,25 @@ def stretch(layer):
         layer.scratch[0, i] = x_X
 
 
-# steps. Those of all layers on this rank have one record. batch: fsipetsc.scheme.plan. stage: (1,)
-# number of the stage whose rates are found, or RATES_ALONE. told: what ranks tell each other of a
-# step: results (fsipetsc.scheme.plan), the bounds of all layers, notes of interfaces. sums: what is
-# noted after that, from the masses of gases on.
+# steps: all layers on this rank share one record of them. batch: fsipetsc.scheme.plan. stage: (1,)
+# number of the stage whose rates are found, or RATES_ALONE. told: what ranks tell each other after
+# a step: results (fsipetsc.scheme.plan), bounds of all layers, notes of interfaces. sums: masses
+# of gases, energy and momentum, which are noted after these.
 
 
 def begin_stage(number: int) -> Callable[..., None]:
-    """What says that rates are those of a stage, or RATES_ALONE."""
+    """Return the procedure before rates: it says of which stage they are, or RATES_ALONE."""
 
     def begin(steps):
-        """The stage whose rates are found from now on."""
+        """Say of which stage the next rates are."""
         steps.stage[0] = float(number)
 
     return begin
 
 
 def advance(layer, rates, first, end):
-    """Of points make the next stage of the classical method, and the sum that becomes the solution,
-    from the rates k of a stage. RATES_ALONE: let the rates be where the stage was.
+    """Replace the stage of some points by the next one (fsipetsc.scheme.plan.next_stage), or by
+    their rates if these alone are wanted.
     """
     dt, now = layer.steps.batch[DT], layer.steps.stage[0]
     for stage in range(STAGES + 1):
