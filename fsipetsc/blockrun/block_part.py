@@ -214,6 +214,7 @@ class BlockPart:
     """
 
     added: bool
+    adds: tuple[Any, ...] = ()  # functions and records that add to rates after the sweep
     dissipation: tuple[Any, ...] = ()
     metrics: Array
     at_particles: Any
@@ -284,12 +285,12 @@ class BlockPart:
         S, weight = np.zeros((3, 1 + max(reaches), max(sizes))), np.zeros((3, max(sizes)))
         for k, band in enumerate(part.bands):
             S[k, : 1 + band.reach, : sizes[k]], weight[k, : sizes[k]] = band
-        supplies = (self.add_force,) * forced + (self.supply,) * (self.forcing is not None)
+        before = self.adds + self.dissipation + (self.faces.record,) * bool(self.faces.record)
+        after = (self.add_force,) * forced + (self.supply,) * (self.forcing is not None)
         return {
             "like": (0.0,) * d,
             "free": in_order(self.free, d),
-            "terms": (*self.dissipation, *filter(None, [self.faces.record])),
-            "supplies": supplies,
+            "terms": before + after,
             "forced": forced,
             "loses": self._problem.loses(part.k),
             "block": part.k,

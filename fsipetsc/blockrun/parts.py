@@ -19,14 +19,13 @@ from fsipetsc.equations.vectors import dot
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
 from fsipetsc.materials.own import check_inverses, knows_entropy
-from fsipetsc.operators.bands import differences, sigma_of
 from fsipetsc.parallel.block_layout import GATHER_TAG, BlockLayout, Part
 from fsipetsc.parallel.exchange import RowExchange
 from fsipetsc.particles.members import Particle
 from fsipetsc.particles.system import ParticleSystem
 from fsipetsc.scheme import gas_procedures as of_gas
 from fsipetsc.scheme import solid_procedures as of_solid
-from fsipetsc.scheme.dissipation import AT_SHOCKS, GasDamping, SolidDamping
+from fsipetsc.scheme.dissipation import AT_SHOCKS, GasDamping, SolidDamping, sigma_of
 from fsipetsc.scheme.faces import normals
 from fsipetsc.scheme.gas_sweep import GasSweep, gas_kernels
 from fsipetsc.scheme.gas_terms import CONSERVED, add_force, add_radial, convection_of
@@ -110,8 +109,9 @@ class GasPart(BlockPart):
         part, d, bands = self.part, self._d, self.part.bands
         sigma, shock, around = self._sigma, self._form.shock, self._problem.symmetry > 0
         if sigma > 0.0 or shock > 0.0:
-            found = differences(d, self._order, bands, self.block.cells)
-            self.dissipation = (GasDamping(d, self.convection.raises, found, sigma, shock),)
+            given = sigma, shock, self.convection.raises
+            self.dissipation = (GasDamping(self._order // 2, bands, self.block.cells, *given),)
+        self.adds = (of_gas.add_ends,) * self.moves + (add_radial,) * around
         made = gas_kernels(self.equations, d, self.convection, self.viscous, self.moves)
         self.volume = GasSweep(self.equations, d, made, bands, part.patch)
         potential = self.volume.potential
@@ -123,7 +123,6 @@ class GasPart(BlockPart):
             volume=self.volume,
             form=self.convection,
             around=around,
-            adds=(of_gas.add_ends,) * self.moves + (add_radial,) * around,
             hoops=room if around else None,
             column=number,
             places=self._places,
@@ -229,10 +228,10 @@ class SolidPart(BlockPart):
         if self.block.prestress is not None:
             self.prestress = np.array(block_values(self.block, "prestress", self.X, 0.0))
         sigma = sigma_of(form.dissipation, self._problem.joined) / 4.0 ** (order // 2)
-        of_all = order, sigma, -sigma * (form.shock > 0.0)
+        of_all = order // 2, sigma, -sigma * (form.shock > 0.0)
         self.dissipation = tuple(
-            SolidDamping(self.equations, differences(d, n, part.bands, self.block.cells), a, b)
-            for n, a, b in (of_all, (2, 0.0, AT_SHOCKS * form.shock))
+            SolidDamping(q, part.bands, self.block.cells, a, b, self.equations)
+            for q, a, b in (of_all, (1, 0.0, AT_SHOCKS * form.shock))
             if a > 0.0 or b > 0.0
         )
         self.added = bool(self.dissipation) or self.block.forcing is not None
@@ -282,7 +281,6 @@ class SolidPart(BlockPart):
             **self._common(begins),
             volume=SolidSweep(self.equations, d, kernels, part.bands, part.patch),
             laws=self.equations,
-            adds=(),
             inertia=self.inertia,
             prestress=self.prestress,
             room=np.zeros((MONITORED + len(begins), part.patch.own[0])),

@@ -11,21 +11,18 @@ closures included; the diagonal, which holds the boundary terms, is left out. It
     (D° f)_i  =  sum_l S_il (f_l + f_i) / 2 / weight_i    without the flux through the ends
 
 with S_il = S[l - i, i] for l > i and -S[i - l, l] for l < i, and weight = h H.
-
-Undivided differences along an axis, of which dissipation is made, are at the end.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.equations.vectors import along, scale
-from fsipetsc.operators.sbp import OPERATORS, undivided
+from fsipetsc.operators.sbp import OPERATORS
 
 Array = NDArray[np.float64]
 Triple = tuple[int, int, int]
@@ -161,62 +158,3 @@ class Patch(NamedTuple):
         i, j, k = np.unravel_index(rows, self.own, order="F")
         (n0, n1, _), (a, b, c) = self.ghosted, self.first
         return i + a + n0 * (j + b + n1 * (k + c))
-
-
-#: usual size of dissipation: differences of order q, half that of the scheme, count sigma / 4^q
-SIGMA = 0.3
-
-
-def sigma_of(option: float, joined: bool) -> float:
-    """sigma of -fsi_dissipation: 0 is 1 where blocks are joined, below 0 is none even there."""
-    return SIGMA * max(0.0, option if option != 0.0 else float(joined))
-
-
-class Differences(NamedTuple):
-    """Undivided differences of a patch, over its ghosted array of N nodes, axis 0 contiguous:
-
-        (Delta_q f)_i = sum_m (-1)^(q - m) C(q, m) f_(i + m),    m = 0 … q,    of nodes in the block
-
-    Dissipation takes H^-1 Delta_q^T F from the rates, with F of each difference. Next to ends a
-    difference counts as much as the least norm of its nodes, or it would be stiffer there.
-
-    weights: (q + 1) numbers of a difference. strides: of the axes in memory. norm: (axes, N) the
-    least norm of the nodes of the difference that begins at a node, 0 where it does not fit.
-    per_weight: (axes, N) 1 / weight of a node along the axis.
-    """
-
-    weights: tuple[float, ...]
-    strides: Array
-    norm: Array
-    per_weight: Array
-
-    def room(self, d: int) -> int:
-        """Numbers of a component of all differences, after zeros for those before the first."""
-        return self.norm.shape[1] + (len(self.weights) - 1) * int(self.strides[d - 1])
-
-
-def differences(d: int, order: int, bands: Sequence[Band], cells: Sequence[int]) -> Differences:
-    """Of half the order of the scheme. bands: three, cut to the ghosted array; cells: of the whole
-    block, by axis.
-    """
-    q, shape = order // 2, [len(band.weight) for band in bands]
-    least, per_weight = [np.zeros(n) for n in shape], [1.0 / band.weight for band in bands]
-    for k in range(d):
-        H = bands[k].weight * cells[k]
-        for i in range(shape[k] - q):
-            least[k][i] = min(1.0, *H[i : i + q + 1])
-
-    def everywhere(lines: list[Array]) -> Array:
-        """(d, N), from numbers along each axis."""
-        return np.stack([grid.ravel("F") for grid in np.meshgrid(*lines, indexing="ij")[:d]])
-
-    strides = np.array([1, shape[0], shape[0] * shape[1]])
-    return Differences(undivided(q), strides, everywhere(least), everywhere(per_weight))
-
-
-def difference(read: Callable[[Any], Any], i: Any, stride: Any, weights: Any) -> Any:
-    """sum_m weights_m f_(i + m stride); read: says the numbers f of a node."""
-    found = scale(weights[0], read(i))
-    for m in range(1, len(weights)):
-        found = along(found, weights[m], read(i + m * stride))
-    return found

@@ -1,5 +1,5 @@
 """Dissipation along each axis k, of order q everywhere and of order 1 at shocks, with undivided
-differences Delta_q (fsipetsc.operators.bands). docs/entropy.md says what it does.
+differences Delta_q. docs/entropy.md says what it does.
 
 In a gas mass, momentum, energy and a uniform flow stay, and entropy does not fall:
 
@@ -45,6 +45,7 @@ of the scheme, a = sigma/4^q. At shocks q = 1, a = 0, b = 0.7 times the option; 
 b = -a. alpha of a difference is the largest of its nodes.
 """
 
+from collections.abc import Sequence
 from functools import partial
 from types import SimpleNamespace
 from typing import Any
@@ -54,7 +55,8 @@ import numpy as np
 from fsipetsc.equations.vectors import add, along, choose, dot, mean, scale, sub
 from fsipetsc.kernels.arrays import column, row
 from fsipetsc.kernels.loops import each, variable, when
-from fsipetsc.operators.bands import Differences, difference
+from fsipetsc.operators.bands import Band
+from fsipetsc.operators.sbp import undivided
 from fsipetsc.scheme.gas_terms import collect_force
 from fsipetsc.scheme.part import area, gas_at, moving, rows_of
 
@@ -66,22 +68,55 @@ SMALL, SMALL_OF_SOLID = 0.05, 0.02
 AT_SHOCKS = 0.7
 
 
+def sigma_of(option: float, joined: bool) -> float:
+    """sigma of -fsi_dissipation: 0 is 1 where blocks are joined, below 0 is none even there."""
+    return 0.3 * max(0.0, option if option != 0.0 else float(joined))
+
+
 class Damping(SimpleNamespace):
-    """What terms of gas and solid share for the N nodes of a patch in d dimensions: differences,
-    room for alpha of nodes, and for so many numbers of each difference, after zeros.
+    """What terms of gas and solid share: undivided differences
+
+        (Delta_q f)_i = sum_m (-1)^(q - m) C(q, m) f_(i + m),    m = 0 … q,    of nodes in the block
+
+    over the N nodes of a ghosted array. Next to ends a difference counts as much as the least norm
+    of its nodes, or it would be stiffer there.
+
+    weights: (q + 1) numbers of a difference. strides: of the axes in memory. norm: (d, N) the least
+    norm of the nodes of the difference that begins at a node, 0 where it does not fit. per_weight:
+    (d, N) 1 / weight of a node along the axis. alpha: (N,) of one axis. F: (numbers, N and more)
+    what differences along one axis have, after zeros for those before the first.
     """
 
-    def __init__(self, d: int, differences: Differences, numbers: int) -> None:
-        self.differences, self.alpha = differences, np.zeros(differences.norm.shape[1])
-        self.F = np.zeros((numbers, differences.room(d)))
+    def __init__(self, q: int, bands: Sequence[Band], cells: Sequence[int], numbers: int) -> None:
+        shape, d = [len(band.weight) for band in bands], len(cells)
+        least, per_weight = [np.zeros(n) for n in shape], [1.0 / band.weight for band in bands]
+        for k in range(d):
+            H = bands[k].weight * cells[k]
+            for i in range(shape[k] - q):
+                least[k][i] = min(1.0, *H[i : i + q + 1])
+        self.weights, self.strides = undivided(q), np.array([1, shape[0], shape[0] * shape[1]])
+        self.norm, self.per_weight = (
+            np.stack([grid.ravel("F") for grid in np.meshgrid(*lines, indexing="ij")[:d]])
+            for lines in (least, per_weight)
+        )
+        self.alpha = np.zeros(np.prod(shape))
+        self.F = np.zeros((numbers, self.alpha.size + q * self.strides[d - 1]))
 
     @property
     def order(self) -> int:
-        return len(self.differences.weights) - 1
+        return len(self.weights) - 1
+
+    def difference(self, read, i, k, sign=1.0):
+        """Return that of the numbers f = read(n) of nodes, from node i on along axis k."""
+        stride, found = self.strides[k], ()
+        for m, weight in enumerate(scale(sign, self.weights)):
+            f = read(i + m * stride)
+            found = along(found, weight, f) if m else scale(weight, f)
+        return found
 
     def sense(self, steepness, k, length):
         """Fill alpha of all nodes along axis k of so many; steepness: returns the s of a node."""
-        alpha, stride = self.alpha, self.differences.strides[k]
+        alpha, stride = self.alpha, self.strides[k]
         for line in each(alpha.size // (stride * length)):
             first = line * (stride * length)
             begin, beyond = first + stride, first + stride * length
@@ -92,32 +127,30 @@ class Damping(SimpleNamespace):
                 alpha[i] = np.minimum(1.0, np.maximum(0.0, steep))
             alpha[end:beyond] = 0.0
 
-    def largest(self, i, stride):
-        """Return the largest alpha at the nodes of the difference that begins at a node."""
+    def largest(self, i, k):
+        """Return the largest alpha at the nodes of the difference along axis k that begins at i."""
         found = self.alpha[i]
         for m in range(1, self.order + 1):
-            found = np.maximum(found, self.alpha[i + m * stride])
+            found = np.maximum(found, self.alpha[i + m * self.strides[k]])
         return found
 
     def fill(self, k, of):
         """Fill F of differences along axis k, by their first nodes, with zeros where one does not
-        fit. of(i, l, r, stride, norm): F of the one that begins at a node, from the nodes in its
-        middle.
+        fit. of(i, l, r): F of the one that begins at a node, from the nodes in its middle.
         """
-        order, stride, N = self.order, self.differences.strides[k], self.alpha.size
+        order, stride, N = self.order, self.strides[k], self.alpha.size
         before, last = self.F.shape[1] - N, N - order * stride
         for i in each(last, vector=True):
             l, r = i + order // 2 * stride, i + (order + 1) // 2 * stride
-            self.F[:, before + i] = of(i, l, r, stride, self.differences.norm[k, i])
+            self.F[:, before + i] = of(i, l, r)
         self.F[:, before + last :] = 0.0
 
     def back(self, count, k, node):
         """Return Delta^T F at a node, of the first numbers."""
-        stride = self.differences.strides[k]
-        first = self.F.shape[1] - self.alpha.size + node - self.order * stride
+        first = self.F.shape[1] - self.alpha.size + node - self.order * self.strides[k]
         # weights of Delta^T: those of Delta in reverse order, perhaps with sign -1
-        weights = scale(1.0 - 2.0 * (self.order % 2), self.differences.weights)
-        return difference(lambda n: column((0.0,) * count, self.F, n), first, stride, weights)
+        sign = 1.0 - 2.0 * (self.order % 2)
+        return self.difference(lambda n: column((0.0,) * count, self.F, n), first, k, sign)
 
 
 class GasDamping(Damping):
@@ -128,14 +161,17 @@ class GasDamping(Damping):
     a constant force there are more of these, and of F: see fsipetsc.scheme.gas_terms.
     """
 
-    def __init__(self, d: int, raises: bool, found: Any, sigma: float, shock: float) -> None:
-        super().__init__(d, found, d + 2 + raises)
+    def __init__(
+        self, q: int, bands: Any, cells: Any, sigma: float, shock: float, raises: bool
+    ) -> None:
+        d = len(cells)
+        super().__init__(q, bands, cells, d + 2 + raises)
         N = self.alpha.size
         self.sigma, self.shock = sigma or None, shock or None
         self.state, self.z = np.zeros((d + 5, N)), np.zeros((d + 2, N))
         self.link, self.sums = np.zeros((d + 1, N)), np.zeros((d + 2 + raises * (d + 1), N))
 
-    def add(self, part, q, rates, gain):
+    def add(self, part, own, q, rates, gain):
         """Add both terms to the rates (M, d + 3) of the owned nodes; q: with a halo of q + 1."""
         gas = part.laws
         for i in each(self.alpha.size, vector=True):
@@ -147,7 +183,6 @@ class GasDamping(Damping):
                     first = first + part.volume.potential[i] * w[-1]
                 self.z[:, i] = first, *more
         for k in range(len(part.like)):
-            stride = self.differences.strides[k]
             if self.shock is not None:
                 self.sums[:] = 0.0
                 self.sense(partial(steepness, part, self.state, k), k, part.patch.ghosted[k])
@@ -156,22 +191,107 @@ class GasDamping(Damping):
                     shocks.value = np.where(self.alpha[i] > 0.0, 1.0, shocks.value)
                 with when(shocks.value > 0.0):
                     self.link[:] = 0.0
-                    split_pairs(part, self, k, stride)
-                    flow_on(part, self, stride)
+                    self.split_pairs(part, k)
+                    self.flow_on(part, k)
             if self.sigma is not None:
-                self.fill(k, partial(flux, part, self, k))
+                self.fill(k, partial(self.flux, part, k))
             for first, own, n in rows_of(part):
                 for i in each(n, vector=True):
-                    collect(part, self, k, first + i, own + i, rates)
-        return 0.0
+                    self.collect(part, k, first + i, own + i, rates)
+
+    def flux(self, part, k, i, l, r):
+        """Return F of the difference along axis k that begins at node i."""
+        gas, raises, potential = part.laws, part.form.raises, part.volume.potential
+        like_z, norm = (*part.like, 0.0, 0.0), self.norm[k, i]
+        change = self.difference(lambda m: column(like_z, self.z, m), i, k)
+        level = 0.5 * (potential[l] + potential[r]) if raises else 0.0
+        change = (change[0] + level * change[-1], *change[1:])
+        middle = mean(column(like_z, self.z, l), column(like_z, self.z, r))
+        T = -1.0 / middle[-1]
+        w = gas.state(0.5 * (self.state[0, l] + self.state[0, r]), scale(T, middle[1:-1]), T)
+        (a_l, v_l), (a_r, v_r) = ((area(part, k, n), moving(part, n)) for n in (l, r))
+        speed = gas.fastest(w, mean(a_l, a_r), 0.5 * (dot(a_l, v_l) + dot(a_r, v_r)))
+        if self.shock is not None:
+            speed = (1.0 - self.largest(i, k)) * speed
+        dU = gas.densities_of_change(w, change)
+        eta = gas.size_of_change(w, change, dU)
+        F = scale(self.sigma / 4.0**self.order * norm * speed / (1.0 + eta), dU)
+        F = (*F, level * F[0]) if raises else F
+        return choose(norm > 0.0, F, (0.0,) * len(F))
+
+    def collect(self, part, k, node, own, rates):
+        """Add sums and H^-1 Delta^T F to rates of an owned node."""
+        d, raises, power = len(part.like), part.form.raises, 0.0
+        per_weight, sums = self.per_weight[k, node], (0.0,) * (d + 2 + raises * (d + 1))
+        if self.shock is not None:
+            sums = column(sums, self.sums, node)
+        more = sums[: d + 2]
+        if self.sigma is not None:
+            F = self.back(d + 2 + raises, k, node)
+            more = sub(more, F[: d + 2])
+            if raises:
+                power = part.volume.potential[node] * F[0] - F[-1]
+        if raises:
+            collect_force(part, sums, per_weight, power, own)
+        rates[own, 1:] = along(row(more, rates, own, 1), per_weight, more)
+
+    def split_pairs(self, part, k):
+        """Take alpha of its flux from each pair; add to areas and volume fluxes of its links."""
+        gas, S, stride = part.laws, part.S[k], self.strides[k]
+        like_v = gas.of_grid(part.like)
+        length, grid = part.patch.ghosted[k], len(part.like) ** 2
+        for i in each(self.alpha.size):
+            place, alpha = i // stride % length, variable(self.alpha[i])
+            for m in each(1, np.minimum(part.axes[k, 0] + 1, length - place)):
+                j = i + m * stride
+                alpha.value = np.maximum(alpha.value, self.alpha[j])
+                with when((alpha.value > 0.0) & (S[m, place] != 0.0)):
+                    weight = alpha.value * S[m, place]
+                    l, r, rise = self.ends(part, i, j)
+                    a_l, a_r = area(part, k, i), area(part, k, j)
+                    v_l, v_r = (column(like_v, part.metrics, n, grid) for n in (i, j))
+                    g = gas.volume_flux(a_l, v_l, a_r, v_r)
+                    below, above = part.form.pair(gas, l, r, a_l, a_r, g, rise)
+                    self.sums[:, i] = along(column(below, self.sums, i), weight, below)
+                    self.sums[:, j] = along(column(above, self.sums, j), -weight, above)
+                    more = (*mean(a_l, a_r), g)
+                    for n in each(m):
+                        link = i + n * stride
+                        self.link[:, link] = along(column(more, self.link, link), weight, more)
+
+    def ends(self, part, i, j):
+        """Return the states of two nodes, and by how much Phi is more at the second one."""
+        like_w, potential = (0.0,) * (len(part.like) + 5), part.volume.potential
+        rise = potential[j] - potential[i] if part.form.raises else 0.0
+        return column(like_w, self.state, i), column(like_w, self.state, j), rise
+
+    def flow_on(self, part, k):
+        """Add the fluxes through links, with those of Lax and Friedrichs."""
+        gas, form, like_link = part.laws, part.form, (*part.like, 0.0)
+        for i in each(self.alpha.size - self.strides[k]):
+            link, j = column(like_link, self.link, i), i + self.strides[k]
+            a, g = link[:-1], link[-1]
+            with when(dot(link, link) > 0.0):
+                l, r, rise = self.ends(part, i, j)
+                speed = 0.5 * self.shock * np.maximum(gas.fastest(l, a, g), gas.fastest(r, a, g))
+                both = l, r
+                if form.raises:
+                    both = gas.raised(l, 0.5 * rise), gas.raised(r, -0.5 * rise)
+                change = sub(gas.densities(both[1]), gas.densities(both[0]))
+                pair, n = form.pair(gas, l, r, a, a, g, rise), len(change)
+                below, above = ((*along(F[:n], -speed, change), *F[n:]) for F in pair)
+                if form.raises:
+                    power = -0.5 * speed * change[0] * rise
+                    below, above = (*below, power), (*above, -power)
+                self.sums[:, i] = sub(column(below, self.sums, i), below)
+                self.sums[:, j] = add(column(above, self.sums, j), above)
 
 
 def steepness(part, state, k, i, stride):
     """The steepness s of a node along axis k. state: (3 + d and more, N)."""
     law, like_w = part.laws.law, (*part.like, 0.0, 0.0, 0.0)
     a = area(part, k, i)
-    below, above = (column(like_w, state, n) for n in (i - stride, i + stride))
-    here = column(like_w, state, i)
+    below, here, above = (column(like_w, state, n) for n in (i - stride, i, i + stride))
     rise, fall = sub(above, here), sub(here, below)
     size_of_rho = SMALL * (above[0] + 2.0 * here[0] + below[0])
     K_above, K, K_below = (law.bulk_modulus(w[0], w[2]) for w in (above, here, below))
@@ -187,161 +307,62 @@ def bend(rise, fall, size):
     return abs(rise - fall) / (abs(rise) + abs(fall) + size + 1e-300)
 
 
-def flux(part, damp, k, i, l, r, stride, norm):
-    """Return F of the difference along axis k that begins at node i."""
-    gas, raises, potential = part.laws, part.form.raises, part.volume.potential
-    like_z = (*part.like, 0.0, 0.0)
-    weights = damp.differences.weights
-    change = difference(lambda m: column(like_z, damp.z, m), i, stride, weights)
-    level = 0.5 * (potential[l] + potential[r]) if raises else 0.0
-    change = (change[0] + level * change[-1], *change[1:])
-    middle = mean(column(like_z, damp.z, l), column(like_z, damp.z, r))
-    T = -1.0 / middle[-1]
-    w = gas.state(0.5 * (damp.state[0, l] + damp.state[0, r]), scale(T, middle[1:-1]), T)
-    (a_l, v_l), (a_r, v_r) = ((area(part, k, n), moving(part, n)) for n in (l, r))
-    speed = gas.fastest(w, mean(a_l, a_r), 0.5 * (dot(a_l, v_l) + dot(a_r, v_r)))
-    if damp.shock is not None:
-        speed = (1.0 - damp.largest(i, stride)) * speed
-    dU = gas.densities_of_change(w, change)
-    eta = gas.size_of_change(w, change, dU)
-    F = scale(damp.sigma / 4.0**damp.order * norm * speed / (1.0 + eta), dU)
-    F = (*F, level * F[0]) if raises else F
-    return choose(norm > 0.0, F, (0.0,) * len(F))
-
-
-def collect(part, damp, k, node, own, rates):
-    """Add sums and H^-1 Delta^T F to rates of an owned node."""
-    d, raises, power = len(part.like), part.form.raises, 0.0
-    per_weight, sums = damp.differences.per_weight[k, node], (0.0,) * (d + 2 + raises * (d + 1))
-    if damp.shock is not None:
-        sums = column(sums, damp.sums, node)
-    more = sums[: d + 2]
-    if damp.sigma is not None:
-        F = damp.back(d + 2 + raises, k, node)
-        more = sub(more, F[: d + 2])
-        if raises:
-            power = part.volume.potential[node] * F[0] - F[-1]
-    if raises:
-        collect_force(part, sums, per_weight, power, own)
-    rates[own, 1:] = along(row(more, rates, own, 1), per_weight, more)
-
-
-def split_pairs(part, damp, k, stride):
-    """Take alpha of its flux from each pair; add to areas and volume fluxes of its links."""
-    gas, form, potential, S = part.laws, part.form, part.volume.potential, part.S[k]
-    like_w, like_v = (0.0,) * (len(part.like) + 5), gas.of_grid(part.like)
-    length, grid = part.patch.ghosted[k], len(part.like) ** 2
-    for i in each(damp.alpha.size):
-        place, alpha = i // stride % length, variable(damp.alpha[i])
-        for m in each(1, np.minimum(part.axes[k, 0] + 1, length - place)):
-            j = i + m * stride
-            alpha.value = np.maximum(alpha.value, damp.alpha[j])
-            with when((alpha.value > 0.0) & (S[m, place] != 0.0)):
-                weight = alpha.value * S[m, place]
-                l, r = column(like_w, damp.state, i), column(like_w, damp.state, j)
-                a_l, a_r = area(part, k, i), area(part, k, j)
-                v_l, v_r = (column(like_v, part.metrics, n, grid) for n in (i, j))
-                g = gas.volume_flux(a_l, v_l, a_r, v_r)
-                rise = potential[j] - potential[i] if form.raises else 0.0
-                below, above = form.pair(gas, l, r, a_l, a_r, g, rise)
-                damp.sums[:, i] = along(column(below, damp.sums, i), weight, below)
-                damp.sums[:, j] = along(column(above, damp.sums, j), -weight, above)
-                more = (*mean(a_l, a_r), g)
-                for n in each(m):
-                    link = i + n * stride
-                    damp.link[:, link] = along(column(more, damp.link, link), weight, more)
-
-
-def flow_on(part, damp, stride):
-    """Add the fluxes through links, with those of Lax and Friedrichs."""
-    gas, form, potential = part.laws, part.form, part.volume.potential
-    like_w, like_link = (0.0,) * (len(part.like) + 5), (*part.like, 0.0)
-    for i in each(damp.alpha.size - stride):
-        link, j = column(like_link, damp.link, i), i + stride
-        a, g = link[:-1], link[-1]
-        with when(dot(link, link) > 0.0):
-            l, r = column(like_w, damp.state, i), column(like_w, damp.state, j)
-            speed = 0.5 * damp.shock * np.maximum(gas.fastest(l, a, g), gas.fastest(r, a, g))
-            rise = potential[j] - potential[i] if form.raises else 0.0
-            both = l, r
-            if form.raises:
-                both = gas.raised(l, 0.5 * rise), gas.raised(r, -0.5 * rise)
-            change = sub(gas.densities(both[1]), gas.densities(both[0]))
-            pair, n = form.pair(gas, l, r, a, a, g, rise), len(change)
-            below, above = ((*along(F[:n], -speed, change), *F[n:]) for F in pair)
-            if form.raises:
-                power = -0.5 * speed * change[0] * rise
-                below, above = (*below, power), (*above, -power)
-            damp.sums[:, i] = sub(column(below, damp.sums, i), below)
-            damp.sums[:, j] = add(column(above, damp.sums, j), above)
-
-
 class SolidDamping(Damping):
     """A term of a solid, with a and b of F. impedance: sqrt(K m0) [kg/(m2 s)], small: of s [m/s].
     work: of columns of nodes.
     """
 
-    def __init__(self, solid: Any, found: Differences, a: float, b: float) -> None:
-        d = len(solid.force)
-        super().__init__(d, found, d + 1)
-        K = solid.law.wave_modulus(solid.tensor(solid.unstrained((0.0,) * d)))
-        self.a, self.b, self.work = a, b, np.zeros(self.alpha.size)
+    def __init__(self, q: int, bands: Any, cells: Any, a: float, b: float, solid: Any) -> None:
+        super().__init__(q, bands, cells, len(cells) + 1)
+        K = solid.law.wave_modulus(solid.tensor(solid.unstrained((0.0,) * len(cells))))
+        self.a, self.b, self.work = a, b, np.zeros(len(bands[0].weight))
         self.impedance = float(np.sqrt(K * solid.m0))
         self.small = float(SMALL_OF_SOLID * np.sqrt(K / solid.m0))
 
-    def add(self, part, q, rates, gain):
-        """Add this term to the rates (M, 2d + 1) of the owned nodes; q (N, 2d + 1): with a halo of
-        q + 1 nodes at least. Returns its work if that is booked.
+    def add(self, part, own, q, rates, gain):
+        """Add this term to the rates (M, 2d + 1) of the owned nodes, and its work to what is lost;
+        q (N, 2d + 1): with a halo of q + 1 nodes at least.
         """
-        d, columns, total = len(part.like), part.patch.own[0], variable(0.0)
+        d, columns = len(part.like), part.patch.own[0]
         self.work[:columns] = 0.0
         for k in range(d):
             with when(self.b != 0.0):
-                self.sense(partial(bent, part, q, self.small), k, part.patch.ghosted[k])
-            self.fill(k, partial(drag, part, self, q, k))
+                self.sense(partial(self.bent, part, q), k, part.patch.ghosted[k])
+            self.fill(k, partial(self.drag, part, q, k))
             for node, own, n in rows_of(part):
                 for i in each(n, vector=True):
-                    force, power, heat = slowed(part, self, q, k, node + i)
+                    force, power, heat = self.slowed(part, q, k, node + i)
                     for c, value in enumerate((*force, power + heat), d):
                         rates[own + i, c] += value
                     if part.loses:
                         self.work[i] += part.masses[own + i] * power
         if part.loses:
             for i in each(columns):
-                total.value += self.work[i]
-        return total.value
+                gain.lost[0] += self.work[i]
 
+    def bent(self, part, q, i, stride):
+        """The steepness s of a node."""
+        nodes = i - stride, i, i + stride
+        below, here, above = (row(part.like, q, n, len(part.like)) for n in nodes)
+        rise, fall = sub(above, here), sub(here, below)
+        turn, *both = (np.sqrt(dot(a, a)) for a in (sub(rise, fall), rise, fall))
+        return turn / (both[0] + both[1] + self.small)
 
-def bent(part, q, small, i, stride):
-    """The steepness s of a node of a solid; small: in its denominator."""
-    nodes = i - stride, i, i + stride
-    below, here, above = (row(part.like, q, n, len(part.like)) for n in nodes)
-    rise, fall = sub(above, here), sub(here, below)
-    turn = sub(rise, fall)
-    return length(turn) / (length(rise) + length(fall) + small)
+    def drag(self, part, q, k, i, l, r):
+        """Return F and F . Delta v of the difference along axis k that begins at node i."""
+        A = mean(area(part, k, l), area(part, k, r))
+        change = self.difference(lambda n: row(A, q, n, len(A)), i, k)
+        speed = (self.a + self.b * self.largest(i, k)) * self.norm[k, i] * self.impedance
+        F = scale(speed * np.sqrt(dot(A, A)), change)
+        return *F, dot(F, change)
 
-
-def length(a):
-    return np.sqrt(dot(a, a))
-
-
-def drag(part, term, q, k, i, l, r, stride, norm):
-    """Return F and F . Delta v of the difference along axis k that begins at node i."""
-    A, weights = mean(area(part, k, l), area(part, k, r)), term.differences.weights
-    change = difference(lambda n: row(A, q, n, len(A)), i, stride, weights)
-    speed = (term.a + term.b * term.largest(i, stride)) * norm * term.impedance
-    F = scale(speed * length(A), change)
-    return *F, dot(F, change)
-
-
-def slowed(part, term, q, k, node):
-    """What differences along axis k give to the rates of a node of a solid: of velocity, and of
-    energy by the power of these and by heat.
-    """
-    d, order, stride = len(part.like), term.order, term.differences.strides[k]
-    per_mass = term.differences.per_weight[k, node]
-    per_mass = per_mass / (part.metrics[d * d, node] * part.laws.m0)
-    force, here = scale(-per_mass, term.back(d, k, node)), term.F.shape[1] - term.alpha.size + node
-    loss = [term.F[d, here - j * stride] for j in (order // 2, (order + 1) // 2)]
-    heat = 0.5 * per_mass * (loss[0] + loss[1])
-    return force, dot(row(part.like, q, node, d), force), heat
+    def slowed(self, part, q, k, node):
+        """What differences along axis k give to the rates of a node: of velocity, and of energy by
+        the power of these and by heat.
+        """
+        d, order, stride = len(part.like), self.order, self.strides[k]
+        per_mass = self.per_weight[k, node] / (part.metrics[d * d, node] * part.laws.m0)
+        force, here = scale(-per_mass, self.back(d, k, node)), self.F.shape[1] - self.alpha.size
+        loss = [self.F[d, here + node - j * stride] for j in (order // 2, (order + 1) // 2)]
+        heat = 0.5 * per_mass * (loss[0] + loss[1])
+        return force, dot(row(part.like, q, node, d), force), heat

@@ -119,18 +119,13 @@ class Faces(SimpleNamespace):
     dimensions, which `turned` find.
     """
 
-    def add(self, part, q, rates, gain):
-        """Add all this to ``rates`` of the owned nodes and to ``gain``; return the work on a solid.
-        q: of the ghosted nodes.
-        """
+    def add(self, part, own, q, rates, gain):
+        """Add all this to ``rates`` of the owned nodes and to ``gain``; q: of ghosted nodes."""
         for face in self.turned:
             turn_face(face, q, self.normal)
-        work = variable(0.0)
         for group in self.groups:
             for i in each(group.nodes):
-                given = group.effect, group.begin + i, q, rates, gain
-                work.value += self.add_node(part, self, *given)
-        return work.value
+                self.add_node(part, self, group.effect, group.begin + i, q, rates, gain)
 
 
 def turn_face(face, q, normal):
@@ -154,7 +149,7 @@ def turn_face(face, q, normal):
 
 
 def pass_face(part, faces, effect, i, q, rates, gain):
-    """Add what passes the face at its i-th node; there is no work on a solid."""
+    """Add what passes the face at its i-th node."""
     d, own, column = len(part.like), faces.own[i], faces.column[i]
     per_weight, across, entering = faces.per_weight[i], faces.across[i], []
     w, face = seen_at(part, faces, effect, i, q)
@@ -174,7 +169,6 @@ def pass_face(part, faces, effect, i, q, rates, gain):
         for c, value in enumerate(momentum):
             gain.impulse[c] += across * value
         gain.energy[column] += across * energy
-    return 0.0
 
 
 def seen_at(part, faces, effect, i, q):
@@ -193,7 +187,7 @@ def seen_at(part, faces, effect, i, q):
 
 
 def load_face(part, faces, effect, i, q, rates, gain):
-    """Add forces and heat at the i-th node; returns their work."""
+    """Add forces and heat at the i-th node."""
     d, at, own, energy = len(part.like), faces.at[i], faces.own[i], gain.energy
     like, column, across = (0.0,) * d, faces.column[i], faces.across[i]
     A = scale(faces.sign[i], area(part, faces.axis[i], at))
@@ -217,7 +211,8 @@ def load_face(part, faces, effect, i, q, rates, gain):
     rates[own, 2 * d] += scaled * (work + heat)
     energy[column] += across * (work + heat)
     gain.heat[column] += across * heat
-    return across * work
+    if part.loses:
+        gain.lost[0] += across * work
 
 
 def normal_at(part, faces, i, q):

@@ -59,7 +59,7 @@ def turn(part, particles):
         turn_plane(part, table)
 
 
-def add_ends(part, q, rates):
+def add_ends(part, own, q, rates, gain):
     """Add a^k . v / weight, outward, to J_t at the ends of axes: fluxes of pairs do not have it."""
     ends = part.ends
     for i in each(ends.at.shape[0]):
@@ -67,8 +67,8 @@ def add_ends(part, q, rates):
         rates[ends.own[i], 0] += ends.factor[i] * dot(a, moving(part, ends.at[i]))
 
 
-def supply(part, q, rates, gain):
-    """Add the case's forcing; q, rates: of the owned nodes."""
+def supply(part, q, ghosted, rates, gain):
+    """Add the case's forcing."""
     like = (*part.like, 0.0, 0.0)
 
     def supplied(i):
@@ -78,7 +78,6 @@ def supply(part, q, rates, gain):
         return more
 
     book(part, gain, supplied, mass=True)
-    return 0.0
 
 
 def find_places(part):

@@ -100,7 +100,7 @@ def find_potential(part):
         potential[i] = level
 
 
-def add_force(part, q, rates, gain):
+def add_force(part, q, ghosted, rates, gain):
     """Add the force on each owned node and its power to the rates, and to what comes in; pair by
     pair these are what the sweep and links have summed.
     """
@@ -122,10 +122,9 @@ def add_force(part, q, rates, gain):
         return *force, power
 
     gain.work[0] += book(part, gain, pushed)
-    return 0.0
 
 
-def add_radial(part, q, rates):
+def add_radial(part, own, q, rates, gain):
     """Add the terms at the head of this file; q: (N, d + 3) ghosted, rates: (M, d + 3).
 
     part.grid: see fsipetsc.blocks.grid. part.hoops: ((d + 1)^2, N) for u/T and -1/T, and for

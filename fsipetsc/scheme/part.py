@@ -13,8 +13,8 @@ the ghosted array, in d dimensions it has
 
     volume: the sweep. free: first node and first beyond along each axis, first, second one of
     three, last one, of the owned nodes to whose rates nothing is added after the sweep. terms:
-    dissipation and faces, which add to rates and return the work on a solid. adds, supplies:
-    functions that add to rates, of ghosted and of owned unknowns. forcing: by components of M
+    functions that add to rates, by owned and by ghosted unknowns, or records with such a function
+    `add`; some do not read all they take. forcing: by components of M
     nodes, or None: of mass, velocities and energy per mass of a gas; of velocity, temperature and
     place of a solid. forced: whether a constant force acts, loses: whether work is booked. per_h:
     (d,) cells of the block. room: of fsipetsc.scheme.monitor.survey. columns: name -> where a
@@ -32,8 +32,6 @@ the ghosted array, in d dimensions it has
     one more with hoops, as monitored last. interfaces: (n, 2) number of an
     interface at this part in one dimension, and owned row of its node. stored_at: (n,) ghosted rows
     of members that tell what they store, rows_of_stored: (n,) where.
-
-All ``terms`` are called alike, all ``adds``, and all ``supplies``: some do not read all they take.
 
 ``gain`` is a record of what comes into the problem from outside. numbers: all that follow, in the
 order of the record of a step. mass: of each block of gas. lost: (1,) work on solids if it is
@@ -108,15 +106,8 @@ def rates(part, gain, found, y, f):
     """
     own, q, of_f = owned_planes(part, y), ghosted_planes(part, y), owned_planes(part, f)
     part.volume.sweep(part, found, own, q, of_f)
-    own, q, of_f, work = own.T, q.T, of_f.T, 0.0
-    for add in part.adds:
-        add(part, q, of_f)
     for term in part.terms:
-        work += term.add(part, q, of_f, gain)
-    for add in part.supplies:
-        work += add(part, own, of_f, gain)
-    if part.loses:
-        gain.lost[0] += work
+        getattr(term, "add", term)(part, own.T, q.T, of_f.T, gain)
 
 
 def book(part, gain, of, mass=False):

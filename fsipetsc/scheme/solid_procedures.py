@@ -28,18 +28,17 @@ def store(part, particles, y):
         particles.stored[rows[i], 0] = energy
 
 
-def book_force(part, q, rates, gain):
-    """Book what a constant force gives, and return its work; q: of the owned nodes. The sweep has
-    added it to rates.
-    """
+def book_force(part, q, ghosted, rates, gain):
+    """Book what a constant force gives, and its work. The sweep has added it to rates."""
     d, force = len(part.like), part.laws.force
     work = book(part, gain, lambda i: (*force, dot(force, row(force, q, i, d))))
     gain.work[0] += work
-    return work
+    if part.loses:
+        gain.lost[0] += work
 
 
-def supply(part, q, rates, gain):
-    """Add the case's forcing to the rates, and book it; q, rates: of the owned nodes."""
+def supply(part, q, ghosted, rates, gain):
+    """Add the case's forcing to the rates, and book it."""
     forcing, d = part.forcing, len(part.like)
 
     def supplied(i):
@@ -53,7 +52,6 @@ def supply(part, q, rates, gain):
         return *push, heat
 
     book(part, gain, supplied)
-    return 0.0
 
 
 def monitor(part, found, y):
