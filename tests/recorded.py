@@ -11,7 +11,7 @@ def recorded(function: Any, *records: Any) -> Procedure:
     code = Code()
     found = code.procedure("procedure", function, *records)
     name = build.name_of(code.text)
-    if build.lacks(name):
-        build.keep(name, *build.made([code.text]))
+    if build.found(name) is None:
+        build.keep(build.made({name: code.text}))
     code.load(build.loaded(name, {}))
     return found

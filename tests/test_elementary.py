@@ -90,7 +90,8 @@ def made(command="", flags=""):
         patch.setenv("CC", command)
         patch.setenv("CFLAGS", flags)
         text = unit(text)
-        library = build.loaded(build.name_of(text), {build.name_of(text): build.made([text])[0]})
+        name = build.name_of(text)
+        library = build.loaded(name, build.made({name: text}))
 
     def call(name, *given):
         arrays = *(np.ascontiguousarray(x, float) for x in given), np.empty(given[0].size)

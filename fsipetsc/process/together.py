@@ -72,27 +72,32 @@ def libraries(
     """
     from fsipetsc.kernels import build
 
-    build.tells = comm.rank == 0
     says = announce if comm.rank == 0 else lambda text: None
-    names = together(comm, lambda: [build.name_of(text) for text in texts])
-    text_of, sent = dict(zip(names, texts, strict=True)), dict[str, bytes]()
-    lacking = comm.allgather(together(comm, lambda: sorted(filter(build.lacks, text_of))))
+    text_of, given, kept = (
+        {build.name_of(text): text for text in texts},
+        dict[str, bytes](),
+        dict[str, bytes](),
+    )
+    lacks = together(comm, lambda: [name for name in text_of if build.found(name) is None])
     # name -> the rank that compiles it: the lowest one that lacks it
-    makers = {name: k for k, some in reversed([*enumerate(lacking)]) for name in some}
-    for name, text in text_of.items() if build.keeps_text and comm.rank == 0 else ():
-        if path := build.keep(name.replace(".so", ".c"), text.encode()):
-            says(f"C text of kernels: {path}")
+    makers = {name: k for k, some in reversed([*enumerate(comm.allgather(lacks))]) for name in some}
     if makers:
-        begin, mine = time.monotonic(), [name for name, k in makers.items() if k == comm.rank]
+        begin = time.monotonic()
         says(f"compiling the kernels of this case (libraries: {len(makers)})")
+        mine = {name: text_of[name] for name, k in makers.items() if k == comm.rank}
         # asleep: who compiles may have this rank's core
-        made = together(comm, lambda: build.made([text_of[n] for n in mine]), asleep=True)
+        kept = together(comm, lambda: build.made(mine), asleep=True)
         says(f"compiled in {time.monotonic() - begin:.1f} s")
-        for name, library in zip(mine, made):
-            build.keep(name, library)
-        for of_rank in comm.allgather(dict(zip(mine, made))):
-            sent.update(of_rank)
-    return together(comm, lambda: [build.loaded(name, sent) for name in names])
+        for of_rank in comm.allgather(kept):
+            given.update(of_rank)
+    in_C = text_of if build.keeps_text and comm.rank == 0 else {}
+    written = {name.replace(".so", ".c"): text.encode() for name, text in in_C.items()}
+    lost = build.keep({**kept, **written})
+    if lost and comm.rank == 0:
+        print(f"fsipetsc: warning: {lost}", file=sys.stderr)
+    for name in () if lost else written:
+        says(f"C text of kernels: {build.folder() / name}")
+    return together(comm, lambda: [build.loaded(build.name_of(text), given) for text in texts])
 
 
 def describe(error: BaseException) -> tuple[int, str, bool]:
