@@ -4,8 +4,6 @@ u = (sin x cos y cos z, -cos x sin y cos z, 0) at t = 0, period 2 pi; u_t = P(u 
 the projection on what has no divergence, w = curl u; dealiased by the 2/3 rule, RK4.
 """
 
-from itertools import islice
-
 import numpy as np
 
 fft, back = np.fft.rfftn, np.fft.irfftn
@@ -44,12 +42,6 @@ def columns(n=96, steps=60, end=1.0):
     """Head -> numbers: on the line y = 2 pi/8, z = 2 pi/16."""
     u = next(flow(n, end, steps))[:, :: n // 16, n // 8, n // 16]
     return dict(zip(("x", "u", "v", "w"), (2 * np.pi * np.arange(16) / 16, *u)))
-
-
-def decay(n, steps, spans):
-    """Kinetic energy per volume at t = 0, 0.5, ... for nu = 1/1600."""
-    flows = islice(flow(n, 0.5, steps, 1 / 1600), spans)
-    return np.array([0.125, *((u * u).sum(0).mean() / 2 for u in flows)])
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ in layers of its kind.
 
 from collections.abc import Sequence
 from functools import partial, reduce
-from itertools import groupby, pairwise
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -23,17 +23,19 @@ from fsipetsc.output.info import table
 from fsipetsc.output.quantities import unit_of
 from fsipetsc.output.reader import Run
 from fsipetsc.process.together import Comm, together
-from fsipetsc.studies import trials
 from fsipetsc.studies.tables import Study, listed_in
-from fsipetsc.studies.trials import Row, Trial
+from fsipetsc.studies.trials import COLUMNS, HEAD, ROUND_OFF, Row, Trial, picture, rows_of
 
-#: what -fsi_h is multiplied with for the grids of a study: in one dimension with an exact solution,
-#: in one without, and in more dimensions
-FACTORS = (4, 2, 1, 1 / 2, 1 / 4), (2, 1, 1 / 2), (2, 1, 2 / 3)
+#: relative differences of grids that resolve a solution are smaller
+RESOLVED = 0.1
+#: norm -> the power of the errors of which it takes the mean
+POWERS = {"L1": 1, "L2": 2}
 #: names of the cost in the summary of a result
 COST = "points", "steps", "rhs_evaluations", "wall_time"
 _ORDERS = "instead of -fsi_order; default: all, or the case's own if it has no exact solution"
-_SPACINGS = "grid spacings; default: 4, 2, 1, 1/2, 1/4 times -fsi_h; not so many in 2-D and 3-D"
+_SPACINGS = (
+    "grid spacings; default: 2, 1, 1/2 times -fsi_h; in 1-D, with an exact solution, 4, 1/4, too"
+)
 OPTIONS = (
     Option("fsi_orders", "ints", None, "", _ORDERS, check=listed_in((2, 4, 6, 8))),
     Option("fsi_hs", "floats", None, "m", _SPACINGS, check="positive"),
@@ -52,66 +54,61 @@ def convergence(arguments: list[str], comm: Comm) -> None:
     study = Study(comm, arguments[1:], OPTIONS, f"{case.NAME}-convergence", case)
     opt, problem = study.opt, build_problem(case, study.opt, comm)
     exact = all(layer.exact is not None for layer in problem.layers)
-    factors = FACTORS[2] if problem.dimension > 1 else FACTORS[0] if exact else FACTORS[1]
+    factors = (4, 2, 1, 1 / 2, 1 / 4) if exact and problem.dimension == 1 else (2, 1, 1 / 2)
     every = exact and "fsi_order" not in study.given
     orders = opt["fsi_orders"] or ((2, 4, 6, 8) if every else [opt["fsi_order"]])
     hs = sorted({*(opt["fsi_hs"] or [of * opt["fsi_h"] for of in factors])}, reverse=True)
-    if not exact and len(hs) < 3:
+    ratios = [coarse / fine for coarse, fine in pairwise(hs)]
+    if not exact and (len(hs) < 3 or max(ratios) > 1.001 * min(ratios)):
         raise InputError(
-            f"the case {case.NAME} has no exact solution: its grids are compared with each other, "
-            "and that takes three, as in -fsi_hs 0.1,0.05,0.025"
+            f"the case {case.NAME} has no exact solution: its grids are compared with each other; "
+            "that takes three or more, each finer by the same factor, as in -fsi_hs 0.1,0.05,0.025"
         )
-    source = "exact solution" if exact else "next grid"
+    source, norm = "exact solution" if exact else "next grid", opt["fsi_norm"]
     end, unit = opt["ts_max_time"], " s" * (problem.units == "SI")
-    about = f"{case.NAME}, distances from the {source} in {opt['fsi_norm']} at t = {end:g}{unit}"
+    about = f"{case.NAME}, distances from the {source} in {norm} at t = {end:g}{unit}"
     study.say(f"{about}, {counted(comm.size, 'rank')}")
     own = {**opt, "fsi_output_dt": None, "fsi_output_times": (end,), "fsi_quiet": True}
-    panels: dict[str, dict[str, Row]] = {}
-    lines: list[list[object]] = []
+    lines, combined = list[list[object]](), list[Row]()
     with study.results_folder() as folder:
         for order in dict.fromkeys(orders):
             study.say("")
-            runs: dict[float, Run] = {}
-            for h in hs:
-                trial = Trial(comm, folder, order, h)
-                runs[h] = trial.solve(case, **{**own, "fsi_h": h})
-                points, steps, _, seconds = (runs[h].summary[name] for name in COST)
+            trials, runs = [Trial(comm, folder, order, h) for h in hs], list[Run]()
+            # closures err by order s at a fixed number of nodes
+            part = 1.0 / POWERS[norm]
+            rate = trials[0].kinked(part) if opt["fsi_shock"] > 0.0 else order // 2 + part
+            for trial in trials:
+                run = trial.solve(case, **{**own, "fsi_h": trial.h})
+                points, steps, _, seconds = (run.summary[name] for name in COST)
                 cost = f"{points:>8.0f} points{steps:>8.0f} steps{seconds:>9.2f} s"
-                study.say(f"{OPERATORS[order].name}  h = {h:<9.6g}{cost}")
-            rows = together(comm, partial(rows_of, case.NAME, trial, opt, exact, runs))
-            study.say("\n" + table([trials.HEAD, *(row.cells for row in rows)], str.rjust))
-            costs = [[run.summary[name] for name in COST] for run in runs.values()]
+                study.say(f"{OPERATORS[order].name}  h = {trial.h:<9.6g}{cost}")
+                for kind, errors in run.errors.items() if exact else ():
+                    for name, error in errors.items():
+                        trial.check(f"{kind}/{name}", error, rate)
+                runs.append(run)
+            rows = rows_of(trials)
+            if not exact:
+                found = together(comm, partial(differences, runs, POWERS[norm]))
+                for name, of in found.items():
+                    known = rate if of[-1] <= RESOLVED else None
+                    rows.append(Row(name, order, hs, of, known, ROUND_OFF))
+            study.say("\n" + table([HEAD, *(row.cells for row in rows)], str.rjust))
+            costs = [[run.summary[name] for name in COST] for run in runs]
             for row in rows:
-                lines += [[*a, *b] for a, b in zip(row.lines(comm.size, source), costs)]
-                kind, _, name = row.quantity.partition("/")
-                if name == "combined":
-                    panels.setdefault(kind, {})[OPERATORS[order].name] = row
-            study.save([*trials.COLUMNS, *COST], lines)  # and again after each order
-            study.on_first(lambda: trials.picture(about, panels, study.path.with_suffix(".png")))
+                of_grids = zip(row.lines(case.NAME, comm.size, source), costs)
+                lines += [[*line, *cost] for line, cost in of_grids]
+            study.save([*COLUMNS, *COST], lines)  # and again after each order
+            combined += [row for row in rows if row.quantity.endswith("/combined")]
+            study.on_first(partial(picture, about, combined, study.path.with_suffix(".png")))
     study.say(f"\nsaved {study.path}")
 
 
-def rows_of(case: str, trial: Trial, opt: Any, exact: bool, runs: dict[float, Run]) -> list[Row]:
-    """The rows of an order: quantities are KIND/NAME or LAYER/NAME. InputError where grids have no
-    node in common.
-    """
-    every, norm = [*runs.values()], opt["fsi_norm"]
-    names = [(kind, name) for kind, of in every[0].errors.items() for name in of]
-    found = {f"{kind}/{name}": [run.errors[kind][name] for run in every] for kind, name in names}
-    if not exact:
-        found = differences(every, norm)
-    part = {"L1": 1.0, "L2": 0.5}[norm]
-    # closures err by order s at a fixed number of nodes
-    rate = trial.kinked(part) if opt["fsi_shock"] > 0.0 else trial.order // 2 + part
-    how = rate, None if exact else trials.ROUND_OFF, not exact
-    return [Row(case, name, trial.order, tuple(runs), of, *how) for name, of in found.items()]
-
-
-def differences(runs: Sequence[Run], norm: str) -> dict[str, list[float]]:
+def differences(runs: Sequence[Run], power: int) -> dict[str, list[float]]:
     """LAYER/FIELD -> relative differences of each run but the last, from coarse to fine, from the
     next one; and of each layer "combined", their mean. InputError where there is no common node.
     """
-    power, values, ranges = {"L1": 1, "L2": 2}[norm], {}, {}
+    values: dict[str, dict[str, Any]] = {}
+    ranges: dict[tuple[str, str], float] = {}
     for layers in zip(*(run.layers for run in runs)):
         first, pairs = layers[0], [common_nodes(layers[0], layer, []) for layer in layers]
         every = reduce(np.intersect1d, [pair[0] for pair in pairs])
@@ -121,19 +118,20 @@ def differences(runs: Sequence[Run], norm: str) -> dict[str, list[float]]:
                 "-fsi_hs takes grids with common nodes, as in -fsi_hs 0.1,0.05,0.025"
             )
         nodes = [pair[1][np.searchsorted(pair[0], every)] for pair in pairs]
+        of_layer = values[first.name] = {}
         for name in first.fields:
             each = [of.frame(-1)[name].ravel()[at] for of, at in zip(layers, nodes)]
             low, high = np.nanmin(each[-1]), np.nanmax(each[-1])
             size, sort = max(abs(low), abs(high)), (first.kind, unit_of(name) or name)
             span = high - low if high - low > 1e-9 * size else size  # else it is round-off
             ranges[sort] = max(ranges.get(sort, 0.0), float(span))
-            values[first.name, name] = sort, each
+            of_layer[name] = sort, each
     found: dict[str, list[float]] = {}
-    for layer, members in groupby(values.items(), lambda item: item[0][0]):
+    for layer, of_layer in values.items():
         own = {}
-        for (_, name), (sort, each) in members:
+        for name, (sort, each) in of_layer.items():
             gaps = [np.abs(b - a) / (ranges[sort] or 1.0) for a, b in pairwise(each)]
-            own[name] = np.array([np.nanmean(gap**power) ** (1 / power) for gap in gaps])
-        own["combined"] = np.mean(np.array([*own.values()]) ** power, axis=0) ** (1 / power)
-        found |= {f"{layer}/{name}": of.tolist() for name, of in own.items()}
+            own[name] = [float(np.nanmean(gap**power) ** (1 / power)) for gap in gaps]
+        means = [np.mean(np.power(of, power)) ** (1 / power) for of in zip(*own.values())]
+        found |= {f"{layer}/{name}": of for name, of in {**own, "combined": means}.items()}
     return found

@@ -1,6 +1,4 @@
-"""Cases and entries on grids: what they give beside what is expected, observed orders, verdicts,
-pictures.
-"""
+"""Cases and entries on grids: errors, observed orders, verdicts, pictures."""
 
 import csv
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -8,7 +6,7 @@ from contextlib import suppress
 from functools import partial
 from importlib.resources import files
 from importlib.util import find_spec
-from itertools import count
+from itertools import count, groupby, pairwise
 from math import log, nan
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,57 +14,40 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
-from scipy.optimize import brentq
 
 from fsipetsc.cases import case_of, load_case
 from fsipetsc.checks import Array
 from fsipetsc.errors import ComputationError, InputError, RanksError
+from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import defaults
 from fsipetsc.output import drawing
 from fsipetsc.output.reader import Run, open_run
 from fsipetsc.process.together import Comm, together
 
-#: order of the operators -> cells in a length, coarse to fine
-Grids = Mapping[int, Sequence[int]]
 #: how far an observed order may be below what is expected
 SLACK = 0.4
-#: relative errors that may be round-off; relative differences of grids that resolve a solution are
-#: smaller than the other
-ROUND_OFF, RESOLVED = 1e-12, 0.1
+#: relative errors that may be round-off
+ROUND_OFF = 1e-12
 #: columns of a table of rows, and of their CSV file
 HEAD = ("quantity", "order", "grid spacings", "errors", "observed orders", "expected", "verdict")
 COLUMNS = "case quantity order h ranks value reference source error rate verdict".split()
 
 
-class Compared(NamedTuple):
-    """A number beside its reference. size: what their distance is divided by, or None."""
-
-    value: complex
-    reference: complex
-    size: float | None = None
-
-    @property
-    def error(self) -> float:
-        """The distance from the reference over the size, else over the reference."""
-        size = abs(self.reference) if self.size is None else self.size
-        return abs(self.value - self.reference) / size
-
-
 class Row(NamedTuple):
-    """A quantity at an order on each grid: errors, or the numbers that are compared; between: or
-    differences of each grid from the next finer one. What theory, or somebody else, says of it, or
-    None: rate, the order of the errors between the two finest grids; most, the largest error on the
-    finest grid.
+    """Errors of a quantity at an order of the operators, from the coarsest grid to the finest.
+
+    What theory, or somebody else, says of it, or None: rate, the order of the errors between the
+    two finest grids; most, the largest error on the finest grid. pairs: on each grid the number
+    that is compared and its reference, or (). Errors may be differences from the next finer grid.
     """
 
-    entry: str
     quantity: str
     order: int
     spacings: Sequence[float]
-    found: Sequence[float | Compared]
+    errors: Sequence[float]
     rate: float | None = None
     most: float | None = None
-    between: bool = False
+    pairs: Sequence[tuple[complex, ...]] = ()
 
     @property
     def expected(self) -> str:
@@ -74,40 +55,30 @@ class Row(NamedTuple):
         return " or ".join(text.format(value) for value, text in said if value is not None)
 
     @property
-    def errors(self) -> list[float]:
-        return [one.error if isinstance(one, Compared) else one for one in self.found]
-
-    @property
     def observed(self) -> list[float]:
         """Orders between neighbouring errors; nan where one is 0, or both are round-off."""
-        h, found = self.spacings, []
-        for k, (a, b) in enumerate(zip(self.errors, self.errors[1:])):
-            if not (min(a, b) > 0.0 and max(a, b) > ROUND_OFF):
-                found.append(nan)
-            elif self.between:
-                found.append(order_of_differences(a / b, *h[k : k + 3]))
-            else:
-                found.append(log(a / b) / log(h[k] / h[k + 1]))
+        found = []
+        for (a, b), (h, finer) in zip(pairwise(self.errors), pairwise(self.spacings)):
+            known = min(a, b) > 0.0 and max(a, b) > ROUND_OFF
+            found.append(log(a / b) / log(h / finer) if known else nan)
         return found
 
     @property
     def verdict(self) -> str:
         """ "converges" with the expected order, "holds" below the expected error, or "falls short"
-        of both; differences that are not small fall short in any case.
+        of both.
         """
-        error = self.errors[-1]
-        if self.between and not error <= RESOLVED:
-            return "falls short"
         if self.rate is not None and self.observed and self.observed[-1] >= self.rate - SLACK:
             return "converges"
-        return "holds" if self.most is not None and error <= self.most else "falls short"
+        return "holds" if self.most is not None and self.errors[-1] <= self.most else "falls short"
 
-    def lines(self, ranks: int, source: str) -> list[list[object]]:
+    def lines(self, case: str, ranks: int, source: str) -> list[list[object]]:
         """Lines of a CSV file under COLUMNS, one for each grid."""
-        found, about, rates = [], [self.entry, self.quantity, self.order], ("", *self.observed)
-        for h, one, error, rate in zip(self.spacings, self.found, self.errors, rates):
-            pair = [f"{v:.12g}" for v in one[:2]] if isinstance(one, Compared) else ["", ""]
-            found.append([*about, h, ranks, *pair, source, error, rate, self.verdict])
+        about, found, rates = (case, self.quantity, self.order), [], ("", *self.observed)
+        pairs = self.pairs or [()] * len(self.errors)
+        for h, pair, error, rate in zip(self.spacings, pairs, self.errors, rates):
+            words = [f"{value:.12g}" for value in pair] or ["", ""]
+            found.append([*about, h, ranks, *words, source, error, rate, self.verdict])
         return found
 
     @property
@@ -118,34 +89,28 @@ class Row(NamedTuple):
         return self.quantity, str(self.order), *lists, self.expected, self.verdict
 
 
-def order_of_differences(ratio: float, first: float, second: float, third: float) -> float:
-    """p with (first^p - second^p) / (second^p - third^p) = ratio; nan where there is none."""
-
-    def excess(p: float) -> float:
-        return (first**p - second**p) / (second**p - third**p) - ratio
-
-    return float(brentq(excess, -4.1, 16.0)) if excess(-4.1) * excess(16.0) < 0.0 else nan
-
-
-def picture(title: str, panels: Mapping[str, Mapping[str, Row]], path: Path) -> None:
-    """Errors over grid spacings: heading of a panel -> label of a line -> row; nothing without
-    matplotlib or rows. FileError."""
-    if not any(panels.values()) or find_spec("matplotlib") is None:
+def picture(title: str, rows: Sequence[Row], path: Path) -> None:
+    """Errors over grid spacings: a panel for each order, a line for each quantity; nothing without
+    matplotlib or rows. FileError.
+    """
+    if not rows or find_spec("matplotlib") is None:
         return
     import matplotlib
     from matplotlib.figure import Figure
 
+    panels = [(order, list(some)) for order, some in groupby(rows, lambda row: row.order)]
     with matplotlib.rc_context({**drawing.STYLE, "savefig.dpi": 80}):
         columns, lines = min(3, len(panels)), -(-len(panels) // 3)
         figure = Figure(figsize=(2.0 + 5.0 * columns, 4.2 * lines), layout="constrained")
         places = drawing.panels(figure, len(panels), columns)
-        for axes, (heading, rows) in zip(places, panels.items(), strict=True):
-            for label, row in rows.items():
+        for axes, (order, of_order) in zip(places, panels, strict=True):
+            for row in of_order:
                 # a logarithmic axis has no place for 0
                 errors = np.where(np.array(row.errors) > 0.0, row.errors, np.nan)
-                axes.loglog(row.spacings[: len(errors)], errors, "o-", markersize=4, label=label)
-            axes.set(title=heading, xlabel="grid spacing h", ylabel="errors")
-            spacings = sorted({h for row in rows.values() for h in row.spacings})
+                h = row.spacings[: len(errors)]
+                axes.loglog(h, errors, "o-", markersize=4, label=row.quantity)
+            axes.set(title=OPERATORS[order].name, xlabel="grid spacing h", ylabel="errors")
+            spacings = sorted({h for row in of_order for h in row.spacings})
             axes.set_xticks([], minor=True)
             axes.set_xticks(spacings, [f"{h:.4g}" for h in spacings], fontsize=8)
             axes.legend(fontsize="x-small", loc="upper left", bbox_to_anchor=(1.0, 1.0))
@@ -157,14 +122,13 @@ class Trial:
     """A case or an entry at an order of the operators, with a grid spacing h. Results go to
     ``folder``.
 
-    found: quantity -> (an error, or the number that is compared; rate and most of its Row if this
-    is the finest grid).
+    found: quantity -> its error, (number, reference) or (), and rate and most of its Row.
     """
 
     def __init__(self, comm: Comm, folder: Path, order: int, h: float) -> None:
         self.comm, self.order, self.h = comm, order, h
         self.paths = (str(folder / f"{order}-{h!r}-{k}.h5") for k in count())
-        self.found: dict[str, tuple[float | Compared, Any, Any]] = {}
+        self.found: dict[str, tuple[float, tuple[complex, ...], Any, Any]] = {}
 
     def solve(self, what: Any, end: float | None = None, **options: Any) -> Run:
         """Run a case, or a problem, to its end or to another time, and return its result. Too many
@@ -211,29 +175,49 @@ class Trial:
         return min(self.closures, smoothness * self.order / (self.order + 1))
 
     def check(
-        self, quantity: str, found: Any, order: Any = None, error: Any = None, power: int = 0
+        self, quantity: str, errors: Any, order: Any = None, error: Any = None, power: int = 0
     ) -> None:
-        """Note a quantity, and the order and the error that are expected. found: a number that is
-        compared, or errors, whose norm counts: the largest, or that of the mean of |error|^power.
+        """Note a norm of errors, the largest or that of the mean of |error|^power, and the order
+        and the error that are expected.
         """
-        if not isinstance(found, Compared):
-            size = np.abs(found)
-            found = float(np.mean(size**power) ** (1 / power) if power else size.max())
-        self.found[quantity] = found, order, error
+        size = np.abs(errors)
+        norm = float(np.mean(size**power) ** (1 / power) if power else size.max())
+        self.found[quantity] = norm, (), order, error
+
+    def compare(
+        self, quantity: str, value: Any, reference: Any, order: Any = None, error: Any = None
+    ) -> None:
+        """Note a number, its relative distance from a reference, and what is expected of this."""
+        apart = float(abs(value - reference) / abs(reference))
+        self.found[quantity] = apart, (value, reference), order, error
 
 
-#: all entries by name, in the order of the table, once their files are imported: the function, the
-#: length [m] of which grids have so many cells, and the grids of the two levels, order of the
-#: operators -> cells, coarse to fine
-ENTRIES: dict[str, SimpleNamespace] = {}
+def rows_of(trials: Sequence[Trial]) -> list[Row]:
+    """The rows of trials at one order, from the coarsest grid to the finest."""
+    rows, spacings = [], [trial.h for trial in trials]
+    for quantity, (*_, rate, most) in trials[-1].found.items():
+        errors, pairs, *_ = zip(*(trial.found[quantity] for trial in trials))
+        rows.append(Row(quantity, trials[-1].order, spacings, errors, rate, most, pairs))
+    return rows
 
 
-def entry(quick: Grids, full: Grids, length: float = 1.0) -> Callable[[Any], Any]:
+#: all entries by name, in the order of the table, once their files are imported: the function
+#: ``measure``, and the grids of the levels ``quick`` and ``full``, order of the operators ->
+#: spacings [m], coarse to fine
+ENTRIES: dict[str, Any] = {}
+#: order of the operators -> cells in a length
+Cells = Mapping[int, Sequence[int]]
+
+
+def entry(quick: Cells, full: Cells, length: float = 1.0) -> Callable[[Any], Any]:
     """Make a function of a Trial an entry of its own name; problems/NAME.md says the rest."""
 
+    def grids(cells: Cells) -> dict[int, list[float]]:
+        return {order: [length / n for n in some] for order, some in cells.items()}
+
     def registered(measure: Any) -> Any:
-        grids = {"quick": quick, "full": full}
-        ENTRIES[measure.__name__] = SimpleNamespace(measure=measure, length=length, **grids)
+        levels = {"quick": grids(quick), "full": grids(full)}
+        ENTRIES[measure.__name__] = SimpleNamespace(measure=measure, **levels)
         return measure
 
     return registered

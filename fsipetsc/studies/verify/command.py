@@ -4,18 +4,17 @@ from collections import Counter
 from collections.abc import Sequence
 from functools import partial
 from importlib.resources import files
-from itertools import groupby, takewhile
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
 from fsipetsc.errors import ComputationError, InputError
-from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import RUN, Option
 from fsipetsc.output.file_layout import writing
 from fsipetsc.output.info import table
 from fsipetsc.process.together import Comm
 from fsipetsc.studies.tables import Study
-from fsipetsc.studies.trials import COLUMNS, ENTRIES, HEAD, Row, Trial, picture
+from fsipetsc.studies.trials import COLUMNS, ENTRIES, HEAD, Row, Trial, picture, rows_of
 
 SECTIONS = {
     "Verification": (
@@ -47,22 +46,19 @@ def verify(arguments: list[str], comm: Comm) -> None:
     counts: Counter[str] = Counter()
     lines: list[Any] = []
     for name in names or every:
-        (title, *_), (*_, about) = problem(name).split("\n", 1), problem(name).split("\n\n")
-        study.say(f"{title[2:]} ({name})\n{about.rstrip()}")
+        text, rows = problem(name), list[Row]()
+        title, about = text.partition("\n")[0][2:], text.split("\n\n")[-1].rstrip()
         source = " ".join(about.split()).removeprefix("Reference: ").split(". Expected: ")[0]
-        entry, rows = every[name], []
+        study.say(f"{title} ({name})\n{about}")
         with study.results_folder() as folder:
-            for order, cells in getattr(entry, study.opt["verify_level"]).items():
-                trials = [Trial(comm, folder, order, entry.length / n) for n in cells]
+            for order, spacings in getattr(every[name], study.opt["verify_level"]).items():
+                trials = [Trial(comm, folder, order, h) for h in spacings]
                 for trial in trials:
-                    entry.measure(trial)
-                spacings = [trial.h for trial in trials]
-                for quantity, (_, *expected) in trials[-1].found.items():
-                    numbers = [trial.found[quantity][0] for trial in trials]
-                    rows.append(Row(name, quantity, order, spacings, numbers, *expected))
-        lines += [line for row in rows for line in row.lines(comm.size, source)]
+                    every[name].measure(trial)
+                rows += rows_of(trials)
+        lines += [line for row in rows for line in row.lines(name, comm.size, source)]
         study.save(COLUMNS, lines)  # and again after each entry
-        study.on_first(partial(_show, study, name, title[2:], rows))
+        study.on_first(partial(_show, study, name, title, rows))
         found = table([HEAD, *(row.cells for row in rows)], str.rjust)
         study.say((found if rows else "only with -verify_level full") + "\n")
         counts += Counter(row.verdict for row in rows)
@@ -85,8 +81,7 @@ def _show(study: Study, name: str, title: str, rows: Sequence[Row]) -> None:
             lines += ["", f"![{title}]({name}.png)"]
         with writing(where, "the page"):
             where.with_suffix(".md").write_text("\n".join([*lines, ""]), encoding="utf-8")
-    orders = groupby(rows, lambda row: OPERATORS[row.order].name)
-    picture(title, {of: {row.quantity: row for row in found} for of, found in orders}, where)
+    picture(title, rows, where)
 
 
 def problem(name: str) -> str:
