@@ -107,9 +107,9 @@ def shares_of(
     """The share of each layer, for ``size`` ranks. Active points alone are work; the outermost rank
     of a gas has those in reserve. RanksError.
     """
-    smallest = [max(halo_of_rates(op), op.rows + 1)] * 3
+    least = max(halo_of_rates(op), op.rows + 1)
     extents = [
-        Extent(layer.kind, (hi - lo + 1,), (False,), *smallest)
+        Extent(layer.kind, (hi - lo + 1,), (least,), least)
         for layer, (_, lo, hi, _) in zip(problem.layers, grids, strict=True)
     ]
     return [

@@ -99,21 +99,19 @@ class BlockLayout:
         d, blocks = problem.dimension, problem.blocks
         self.shapes = [tuple(map(int, block.shape)) for block in blocks]
         self.dofs = [d + 3 if block.kind == "fluid" else 2 * d + 1 for block in blocks]
-        widths = [width_of_halo(problem, k, order, shocks) for k in range(len(blocks))]
-        extents = [self._extent(k, width) for k, (width, _) in enumerate(widths)]
+        extents = [self._extent(k, shocks) for k in range(len(blocks))]
         self.shares = share_out(extents, comm.size, partition)
         sizes = (share.nodes(comm.rank).size for share in self.shares)
         self._begins = [0, *accumulate(map(mul, self.dofs, sizes))]
         self.auxiliary, self.local_size = auxiliary, self._begins[-1] + auxiliary
         reaches = {
-            k: Reach(share, blocks[k].periodic, *widths[k], problem.centred(k))
+            k: Reach(share, blocks[k].periodic, extents[k].halo, problem.centred(k))
             for k, share in enumerate(self.shares)
             if comm.rank in share.ranks
         }
         nodes = (prod(b - a for a, b in r.ghosted(comm.rank)) for r in reaches.values())
         begins = [0, *accumulate(self.dofs[k] * n for k, n in zip(reaches, nodes))]
         memory = zeros(begins[-1])
-        memory[:] = 1.0  # corners never get other numbers
         self.parts, halos = dict[int, Part](), list[Route]()
         for (k, reach), at in zip(reaches.items(), begins):
             halo, inside = reach.routes(comm.rank, self.dofs[k], self._begins[k], at)
@@ -122,11 +120,12 @@ class BlockLayout:
             self.parts[k] = self._part(k, reach, memory[at:], inside_of)
         self.halos = Exchange(comm, HALO_TAG, halos, memory)
 
-    def _extent(self, k: int, halo: int) -> Extent:
+    def _extent(self, k: int, shocks: bool) -> Extent:
         """A block as its partition sees it. InputError where it has too few nodes, or more numbers
         than PETSc can count.
         """
         block, shape, op = self.problem.blocks[k], self.shapes[k], OPERATORS[self.order]
+        halo = width_of_halo(self.problem, k, self.order, shocks)
         for axis, (n, closed) in enumerate(zip(shape, block.periodic, strict=True)):
             least = max(2 * op.p + 1, halo) if closed else op.min_points
             if n < least:
@@ -139,9 +138,8 @@ class BlockLayout:
         if prod(shape) * self.dofs[k] > np.iinfo(PETSc.IntType).max:
             raise InputError(f"block '{block.name}' has more numbers than PETSc can count")
         # what others need of derivatives must be no row of the closure, which reaches farther
-        beyond = max(op.p, halo - op.p)
-        least = max(op.rows + beyond, halo), max(2 * op.p, halo)
-        return Extent(block.kind, shape, block.periodic, *least, halo)
+        cut = max(op.rows + max(op.p, halo - op.p), halo), max(2 * op.p, halo)
+        return Extent(block.kind, shape, tuple(cut[closed] for closed in block.periodic), halo)
 
     def _part(self, k: int, reach: Reach, memory: Array, inside: Exchange) -> Part:
         """This rank's part of block k, whose ghosted array is the beginning of ``memory``."""
@@ -189,22 +187,20 @@ class BlockLayout:
         return found
 
 
-def width_of_halo(problem: Any, k: int, order: int, shocks: bool) -> tuple[int, bool]:
-    """Width of the halo of block k, and whether its corners are needed.
+def width_of_halo(problem: Any, k: int, order: int, shocks: bool) -> int:
+    """Width of the halo of block k.
 
     Where derivatives act twice, in solids and in gases with viscosity or conduction, a node needs
-    2 p others to each side, and corners; 3 p in solids that conduct, whose temperature may follow
-    from the strain; else p, one more at shocks, and at least 2. Around an axis p is the number of
-    images that nodes see, if that is more.
+    2 p others to each side; 3 p in solids that conduct, whose temperature may follow from the
+    strain; else p, one more at shocks, and at least 2. Around an axis p is the number of images
+    that nodes see, if that is more.
     """
     block, material, p = problem.blocks[k], problem.blocks[k].material, order // 2
     if problem.symmetry == 1 and problem.centred(k):
         p = max([p, *(-i for i, _ in AXIS.get(order, ()))])
     if block.kind == "solid":
-        return (3 * p if material.kappa_e > 0.0 else 2 * p), True
-    if material.mu > 0.0 or material.kappa > 0.0:
-        return 2 * p, True
-    return max(p + shocks, 2), False
+        return 3 * p if material.kappa_e > 0.0 else 2 * p
+    return 2 * p if material.mu > 0.0 or material.kappa > 0.0 else max(p + shocks, 2)
 
 
 def _padded(spans: Sequence[tuple[int, int]]) -> tuple[tuple[int, int], ...]:

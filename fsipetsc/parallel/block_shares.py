@@ -1,8 +1,8 @@
 """How the ranks share the nodes of blocks: plain integers, no communication.
 
-The nodes of a block are cut along its axes; a *part* is what lies between cuts, and belongs to
-one rank. A rank that has an end of an axis has all rows of the closure there and what they reach;
-parts in the middle have at least the nodes of a halo.
+The nodes of a block are cut along its axes; a *part* is what lies between cuts, and belongs to one
+rank. Parts have so many nodes that no rank needs what lies beyond its neighbours, or rows of a
+closure that is not its own.
 """
 
 from collections.abc import Sequence
@@ -26,50 +26,33 @@ WORTH_IT = 1.1
 class Extent:
     """A block as its partition sees it.
 
-    kind: "fluid" or "solid". shape: nodes per axis. periodic: per axis. end, inner: nodes, at
-    least, that a rank has along an axis, if it has an end of the axis, and if not. halo: width of
-    the halo.
+    kind: "fluid" or "solid". shape: nodes per axis. least: nodes, at least, that a part has along
+    an axis that is cut. halo: width of the halo.
     """
 
     kind: str
     shape: tuple[int, ...]
-    periodic: tuple[bool, ...]
-    end: int
-    inner: int
+    least: tuple[int, ...]
     halo: int
 
     @property
-    def work(self) -> float:
-        """That of all nodes, of which one of a solid is 1."""
-        return prod(self.shape) * (COST[len(self.shape)] if self.kind == "fluid" else 1.0)
-
-    def least(self, axis: int) -> int:
-        """Nodes, at least, of the first and the last one of several parts along an axis."""
-        return self.inner if self.periodic[axis] else self.end
-
-    def most(self, axis: int) -> int:
-        """Parts that there can be along an axis."""
-        between = self.shape[axis] - 2 * self.least(axis)
-        return 1 if between < 0 else 2 + between // self.inner
+    def cost(self) -> float:
+        """Work of a node, of which one of a solid is 1."""
+        return COST[len(self.shape)] if self.kind == "fluid" else 1.0
 
     @property
-    def cap(self) -> int:
-        return prod(map(self.most, range(len(self.shape))))
+    def work(self) -> float:
+        return self.cost * prod(self.shape)
 
-    def allows(self, axis: int, cuts: Sequence[int]) -> bool:
-        """Whether parts between these cuts are large enough."""
-        sizes = [b - a for a, b in pairwise(cuts)]
-        ends = min(sizes[0], sizes[-1]) >= self.least(axis)
-        return len(sizes) == 1 or (ends and min(sizes) >= self.inner)
+    @property
+    def most(self) -> tuple[int, ...]:
+        """Parts that there can be along each axis."""
+        return tuple(max(1, n // least) for n, least in zip(self.shape, self.least, strict=True))
 
-    def even(self, axis: int, parts: int) -> tuple[int, ...]:
-        """Cuts into so many parts, not more than ``most``, as even as they can be."""
-        n, end = self.shape[axis], self.end
-        cuts = tuple(n * k // parts for k in range(parts + 1))
-        if self.allows(axis, cuts):
-            return cuts
-        inner = (end + (n - 2 * end) * k // (parts - 2) for k in range(parts - 1))
-        return 0, *inner, n
+    @property
+    def whole(self) -> list[tuple[int, ...]]:
+        """The cuts of a block that is one part."""
+        return [(0, n) for n in self.shape]
 
 
 @dataclass(frozen=True)
@@ -109,73 +92,53 @@ class Share:
 def share_out(extents: Sequence[Extent], size: int, mode: str = "auto") -> list[Share]:
     """The share of each block, for ``size`` ranks.
 
-    physics: each rank has one block, or a part of one; with fewer ranks than blocks whole blocks,
-    and gas and solid on different ranks. balanced: equal work for all ranks, in the order of the
-    blocks, gas first; blocks are cut along their longest axes only. Where that is impossible it is
-    physics. auto: the one with which the slowest rank has less to do.
+    physics: each rank has one block, or a part of one; with fewer ranks than blocks whole blocks.
+    balanced: equal work for all ranks, in the order of the blocks, gas first; blocks are cut along
+    their longest axes only. Where that is impossible it is physics. auto: the one with which the
+    slowest rank has less to do.
     RanksError, which names the largest number of ranks that works, if these are too many.
     """
-    if size == 1:
-        return [Share((0,), _uncut(extent)) for extent in extents]
-    most = sum(extent.cap for extent in extents)
-    if size > most:
+    caps = [prod(extent.most) for extent in extents]
+    if size > sum(caps):
+        least = min(min(extent.least) for extent in extents)
         raise RanksError(
-            f"{size} ranks are more than these blocks can feed: with at least "
-            f"{min(extent.end for extent in extents)} nodes along each cut axis on a rank, {most} "
-            "is the largest number that works"
+            f"{size} ranks are more than these blocks can feed: with at least {least} nodes along "
+            f"each cut axis on a rank, {sum(caps)} is the largest number that works"
         )
-    apart, chained = _physics(extents, size), _balanced(extents, size)
+    apart, chained = _physics(extents, caps, size), _balanced(extents, size)
     if chained is None or mode == "physics":
         return apart
     gain = slowest(extents, apart, size) / slowest(extents, chained, size)
     return chained if mode == "balanced" or gain > WORTH_IT else apart
 
 
-def _uncut(extent: Extent) -> tuple[tuple[int, ...], ...]:
-    return tuple((0, n) for n in extent.shape)
-
-
 def slowest(extents: Sequence[Extent], shares: Sequence[Share], size: int) -> float:
     """Work of the rank that has most to do: nodes, half of the halos, messages."""
     work = np.zeros(size)
     for extent, share in zip(extents, shares, strict=True):
+        sides = [min(parts - 1, 2) for parts in share.grid]  # with a neighbour
         for rank in share.ranks:
-            part, neighbours = extent.work, 0
-            for axis, (begin, end) in enumerate(share.part(rank)):
-                whole = end - begin == extent.shape[axis]
-                outer = (begin == 0) + (end == extent.shape[axis])
-                sides = 0 if whole else 2 if extent.periodic[axis] else 2 - outer
-                part *= (end - begin + 0.5 * sides * extent.halo) / extent.shape[axis]
-                neighbours += sides
-            work[rank] += part + MESSAGE * neighbours
+            ends = zip(share.part(rank), sides, strict=True)
+            nodes = prod(b - a + 0.5 * n * extent.halo for (a, b), n in ends)
+            work[rank] += extent.cost * nodes + MESSAGE * sum(sides)
     return float(work.max())
 
 
-def _physics(extents: Sequence[Extent], size: int) -> list[Share]:
-    """Each rank has one block, or a part of one, or whole blocks of one kind."""
+def _physics(extents: Sequence[Extent], caps: Sequence[int], size: int) -> list[Share]:
+    """Each rank has one block, or a part of one, or whole blocks."""
+    works = [extent.work for extent in extents]
     if size >= len(extents):
-        counts = _apportion([e.work for e in extents], [e.cap for e in extents], size)
-        begins = [0, *accumulate(counts)]
+        counts = [1] * len(extents)
+        for _ in range(size - len(extents)):  # where a rank has most work
+            free = [k for k, cap in enumerate(caps) if counts[k] < cap]
+            counts[max(free, key=lambda k: works[k] / counts[k])] += 1
+        begins = accumulate([0, *counts])
         return [_cut(extent, range(*ends)) for extent, ends in zip(extents, pairwise(begins))]
-    kinds = sorted({extent.kind for extent in extents})  # gas on the lower ranks
-    of_kinds = [[k for k, e in enumerate(extents) if e.kind == kind] for kind in kinds]
-    work = [sum(extents[k].work for k in blocks) for blocks in of_kinds]
-    loads, ranks, first = [0.0] * size, [0] * len(extents), 0
-    for blocks, count in zip(of_kinds, _apportion(work, list(map(len, of_kinds)), size)):
-        for k in sorted(blocks, key=lambda k: (-extents[k].work, k)):  # the largest first
-            ranks[k] = min(range(first, first + count), key=loads.__getitem__)
-            loads[ranks[k]] += extents[k].work
-        first += count
-    return [Share((r,), _uncut(extent)) for extent, r in zip(extents, ranks, strict=True)]
-
-
-def _apportion(work: Sequence[float], caps: Sequence[int], size: int) -> list[int]:
-    """Ranks for each, one at least; each further one goes where a rank has most work."""
-    counts = [1] * len(work)
-    for _ in range(size - len(work)):
-        open_ones = [k for k in range(len(work)) if counts[k] < caps[k]]
-        counts[max(open_ones, key=lambda k: work[k] / counts[k])] += 1
-    return counts
+    loads, found = [0.0] * size, dict[int, Share]()
+    for k in sorted(range(len(extents)), key=lambda k: -works[k]):  # the largest first
+        rank = loads.index(min(loads))
+        found[k], loads[rank] = Share((rank,), tuple(extents[k].whole)), loads[rank] + works[k]
+    return [found[k] for k in range(len(extents))]
 
 
 def _cut(extent: Extent, ranks: range) -> Share:
@@ -186,30 +149,26 @@ def _cut(extent: Extent, ranks: range) -> Share:
     while not grids:
         count -= 1
         divisors = [n for n in range(1, count + 1) if count % n == 0]
-        parts = [[n for n in divisors if n <= extent.most(axis)] for axis in range(len(shape))]
+        parts = [[n for n in divisors if n <= most] for most in extent.most]
         grids = [grid for grid in product(*parts) if prod(grid) == count]
 
     def nodes_along_cuts(grid: tuple[int, ...]) -> tuple[float, tuple[int, ...]]:
         return sum((k - 1) * (prod(shape) // n) for k, n in zip(grid, shape, strict=True)), grid
 
     grid = min(grids, key=nodes_along_cuts)
-    cuts = tuple(extent.even(axis, parts) for axis, parts in enumerate(grid))
-    return Share(tuple(ranks[:count]), cuts)
+    cuts = (tuple(n * k // parts for k in range(parts + 1)) for n, parts in zip(shape, grid))
+    return Share(tuple(ranks[:count]), tuple(cuts))
 
 
 def _balanced(extents: Sequence[Extent], size: int) -> list[Share] | None:
     """Blocks one after the other on a line of work, cut into equal pieces; None if impossible."""
     order = sorted(range(len(extents)), key=lambda k: (extents[k].kind != "fluid", k))
-    total, begun = sum(extent.work for extent in extents), 0.0
-    shares: dict[int, Share] = {}
-    for k in order:
-        ended = begun + extents[k].work
-        share = _slabs(extents[k], begun * size / total, ended * size / total, size)
-        if share is None:
-            return None
-        shares[k], begun = share, ended
-    used = {rank for share in shares.values() for rank in share.ranks}
-    return [shares[k] for k in range(len(extents))] if len(used) == size else None
+    ends = [0.0, *accumulate(extents[k].work for k in order)]
+    scaled = pairwise(end * size / ends[-1] for end in ends)
+    shares = {k: _slabs(extents[k], *pair, size) for k, pair in zip(order, scaled)}
+    used = {rank for share in shares.values() if share for rank in share.ranks}
+    found = [share for k in range(len(extents)) if (share := shares[k])]
+    return found if len(used) == size and len(found) == len(extents) else None
 
 
 def _slabs(extent: Extent, begin: float, end: float, size: int) -> Share | None:
@@ -218,12 +177,11 @@ def _slabs(extent: Extent, begin: float, end: float, size: int) -> Share | None:
     first, last = min(int(begin + 1e-9), size - 1), min(int(end - 1e-9), size - 1)
     inner = [round(n * (rank - begin) / (end - begin)) for rank in range(first + 1, last + 1)]
     # a part that would be too small goes to the next rank
-    least = extent.least(axis)
+    least = extent.least[axis]
     cuts = [0, *(0 if cut < least else n if cut > n - least else cut for cut in inner), n]
     kept = [(rank, a, b) for rank, (a, b) in zip(range(first, last + 1), pairwise(cuts)) if b > a]
-    along = (0, *(b for _, _, b in kept))
-    if not extent.allows(axis, along):
+    if any(b - a < min(least, n) for _, a, b in kept):
         return None
-    whole = list(_uncut(extent))
-    whole[axis] = along
+    whole = extent.whole
+    whole[axis] = (0, *(b for _, _, b in kept))
     return Share(tuple(rank for rank, _, _ in kept), tuple(whole))

@@ -129,14 +129,13 @@ class Reduction(Called):
 
 
 class Reach(NamedTuple):
-    """Which nodes a rank needs beside its own: ``width`` along each axis, with corners or without,
-    on beyond the ends of periodic axes; centred: and images before the first node of the last axis.
+    """Which nodes a rank needs beside its own: ``width`` along each axis, on beyond the ends of
+    periodic axes; centred: and images before the first node of the last axis.
     """
 
     share: Share
     periodic: Sequence[bool]
     width: int
-    corners: bool
     centred: bool
 
     def ghosted(self, rank: int) -> Spans:
@@ -157,15 +156,14 @@ class Reach(NamedTuple):
         """Places in a rank's ghosted array of the nodes that it owns, and of those that others send
         to it, or that it owns and has once more (of a periodic axis); numbers of the latter.
         """
-        own, shape, ends = self.share.part(rank), self.share.shape, self.ghosted(rank)
-        index = np.meshgrid(*(np.arange(a, b) for a, b in ends), indexing="ij")
-        far = sum(((i < a) | (i >= b)).astype(int) for i, (a, b) in zip(index, own, strict=True))
+        shape, index = self.share.shape, np.indices([b - a for a, b in self.ghosted(rank)])
+        index += np.reshape([a for a, _ in self.ghosted(rank)], (-1, *[1] * len(shape)))
+        ends = zip(index, self.share.part(rank), strict=True)
+        inside = np.all([(i >= a) & (i < b) for i, (a, b) in ends], axis=0)
         known = np.all([(i >= 0) | closed for i, closed in zip(index, self.periodic)], axis=0)
-        wanted = known & ((far >= 1) if self.corners else (far == 1))
-        places = [i % n for i, n in zip(index, shape, strict=True)]
-        numbers = np.ravel_multi_index(places, shape, order="F")
-        inside, order = (np.flatnonzero(of.ravel(order="F")) for of in (far == 0, wanted))
-        return inside, order, numbers.ravel(order="F")[order]
+        numbers = np.ravel_multi_index(tuple(index), shape, "wrap", "F").ravel("F")
+        own, order = (np.flatnonzero(of.ravel("F")) for of in (inside, known & ~inside))
+        return own, order, numbers[order]
 
     def routes(self, me: int, dof: int, begin: int, at: int) -> tuple[Route, Route]:
         """What fills the halo of rank ``me``, and what copies the nodes that it owns to its ghosted
