@@ -41,7 +41,7 @@ COMMANDS = {
     "info": Command("RUN.h5", "print what a result holds: case, options, times, layers, summary",
         "output.info", True),
     "plot": Command("RUN.h5 [-o DIR|FILE] [-fields p,T] [-times 0,0.5] [-contours 20] "
-        "[-streamlines] [-probes x,y;x,y] [-all] [-animate]",
+        "[-streamlines] [-all] [-animate]",
         "draw a result on a page (PNG, PDF, SVG or JPG as FILE ends), all pictures, a film",
         "output.page", True),
     "report": Command("RUN.h5 [-o DIR]",

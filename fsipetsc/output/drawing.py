@@ -5,7 +5,6 @@ In three dimensions the maps are those of the plane in the middle of the blocks'
 colours are those of Okabe and Ito, which eyes that do not tell red from green tell apart.
 """
 
-import math
 import os
 import textwrap
 from collections.abc import Sequence
@@ -24,9 +23,8 @@ Axes = Figure = Any  # of matplotlib, without which results are read, too
 
 BLUE, RED, GREEN, ORANGE, BLACK = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#222222"
 COLORS = {"fluid": BLUE, "solid": RED}
-#: colour maps of what has a sign, white where nothing happens, and of what has none
-SIGNED = {"": "RdBu_r", "solid": "PuOr_r"}
-PLAIN = {"": "viridis", "rho": "cividis", "T": "inferno", "schlieren": "gray_r", "solid": "cividis"}
+#: quantity -> its colour map, where it has no sign
+PLAIN = {"rho": "cividis", "T": "inferno", "schlieren": "gray_r"}
 #: of lines on maps, seen on any colour
 OUTLINE = ("white", 1.8), ("black", 0.8)
 #: colours and line styles of curves in one panel, in turn
@@ -45,7 +43,6 @@ STREAM = 150  # points along each side of a panel, between which streamlines go
 SIDES = (0, 0), (0, -1), (1, 0), (1, -1)  # axis and index of an edge of a block
 LINES = 40  # of the grid in a solid as long as a panel
 LONGEST, WIDEST = 28, 20  # letters in a legend, in a line of the label of a vertical axis
-MOST_BLOCKS = 4  # whose nodes a title counts; of more it tells the sum
 NOTHING = 1e-10  # of the values of a unit: what varies by less is round-off
 INSIDE = 0.1, 99.9  # percentiles of the values with which colours begin and end
 BESIDE = 0.05  # of the span of values is at least on either side of white
@@ -88,14 +85,10 @@ def set_title(figure: Figure, title: str) -> Any:
 
 def of_run(run: Run, what: str) -> str:
     """Return case, what is shown, order, nodes, ranks, and whether the run has ended."""
-    sizes = [" x ".join(map(str, layer.shape[::-1])) for layer in run.layers]
-    if run.dimension == 1 and run.nframes:  # points in reserve are no nodes
-        sizes = [str(np.isfinite(layer.frame(-1)["x"]).sum()) for layer in run.layers]
-    elif len(sizes) > MOST_BLOCKS:
-        sizes = [f"{sum(math.prod(layer.shape) for layer in run.layers):,}"]
+    at_end = [layer.frame(-1)["x"] for layer in run.layers if run.nframes]
+    nodes = sum(np.isfinite(x).sum() for x in at_end)  # points in reserve are no nodes
     ranks = counted(run.summary["ranks"], "rank") + ", unfinished" * (not run.complete)
-    about = f"order {run.options['fsi_order']}, {' + '.join(sizes)} nodes, {ranks}"
-    return f"{run.case}, {what}  ({about})"
+    return f"{run.case}, {what}  (order {run.options['fsi_order']}, {nodes:,} nodes, {ranks})"
 
 
 def labelled(run: Run, label: str, unit: str) -> str:
@@ -129,24 +122,6 @@ def extremes(*arrays: Array) -> tuple[float, float]:
     return (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
 
 
-def colours(values: Array, signed: bool, name: str, size: float) -> dict[str, Any]:
-    """Return colour map and range of values, of which a few may lie outside. Signed ones on both
-    sides of 0 get a map of SIGNED, white there, others one of PLAIN; name: of the map. size: of all
-    that has the same unit, beside which round-off is nothing.
-    """
-    low, high = extremes(values)
-    inner = np.percentile(values[np.isfinite(values)], INSIDE) if low < high else (low, high)
-    if inner[1] - inner[0] > NOTHING * size:  # else what happens is in few places
-        low, high = map(float, inner)
-    if high - low <= NOTHING * size:
-        low, high = (0.5 * (low + high) + sign * (0.1 * size or 1.0) for sign in (-1, 1))
-    maps = PLAIN
-    if signed and min(-low, high) > BESIDE * (high - low):
-        maps, high = SIGNED, max(-low, high)
-        low = -high
-    return {"cmap": maps.get(name, maps[""]), "vmin": low, "vmax": high}
-
-
 def legend_above(axes: Axes, side: str = "left") -> None:
     """Draw a legend above a panel, at this side of it, of five entries at most."""
     entries: dict[str, Any] = dict(zip(*reversed(axes.get_legend_handles_labels())))
@@ -160,13 +135,12 @@ def legend_above(axes: Axes, side: str = "left") -> None:
 
 
 class Wanted(NamedTuple):
-    """What the options of `plot` ask for; contours: how many lines, probes: places."""
+    """What the options of `plot` ask for; contours: how many lines."""
 
     fields: Sequence[str] = ()
     times: Sequence[float] = ()
     contours: int = 0
     streamlines: bool = False
-    probes: Sequence[Sequence[float]] = ()
 
 
 USUAL = Wanted()
@@ -176,8 +150,8 @@ class View:
     """A quantity of a run at some frames, and what all of its panels have in common.
 
     layers   those that have the quantity, and in two and three dimensions solids
-    scales   kind of layer -> colour map and range, for frames after the start
-    bars     kind of layer -> label of its colour bar, which other kinds may share
+    scales   label of the quantity in gas or solid -> colour map and range, for frames after the
+             start
     limits   (left, right), (lower, upper) of a panel
     labels   of its two axes
     ratio    its width over its height
@@ -231,24 +205,34 @@ class View:
         columns = min(2 if self.ratio >= WIDE else 3, count)
         ratio = min(self.ratio, 1 / THIN)
         width = min(WIDTH / columns - 0.4, HIGHEST * ratio)
-        bars = BAR * len(self.bars) * self.plane + 0.45
+        bars = BAR * len(self.scales) * self.plane + 0.45
         return columns, width, -(-count // columns) * (width / ratio + ABOVE) + bars
 
     def _colour(self, values: list[list[Array]]) -> None:
-        """Make scales and bars, which gas and solid share if both or none have a sign."""
+        """Find colour map and range of each label, beyond which a few values may lie. What has both
+        signs is white at 0. Round-off, beside all that has the same unit, gets one colour.
+        """
         quantity, labels = self.quantity, self.quantity.labels
-        last = [of for layer in self.run.layers for of in layer.frame(-1).items()]
-        same = [of for name, of in last if written(unit_of(name)) == quantity.unit]
+        fields = [of for layer in self.run.layers for of in layer.frame(-1).items()]
+        same = [of for name, of in fields if written(unit_of(name)) == quantity.unit]
         size = max(map(abs, extremes(*same, *chain(*values))))
         begins = int(self.frames[0] == 0)  # initial data may go far beyond what follows
-        self.scales, self.bars = dict[str, dict[str, Any]](), dict[str, str]()
-        for signed in dict.fromkeys(map(quantity.signed, labels)):
-            kinds = [kind for kind in labels if quantity.signed(kind) == signed]
-            known = [of[begins:] or of for la, of in zip(self.layers, values) if la.kind in kinds]
-            shown = np.concatenate([np.ravel(v) for v in chain(*known)])
-            name = quantity.name if "fluid" in kinds else "solid"
-            self.scales |= dict.fromkeys(kinds, colours(shown, signed, name, size))
-            self.bars[kinds[0]] = "; ".join(dict.fromkeys(labels[kind] for kind in kinds))
+        self.scales = dict[str, dict[str, Any]]()
+        for label in dict.fromkeys(labels.values()):
+            of_it = [of for la, of in zip(self.layers, values) if labels.get(la.kind) == label]
+            shown = np.concatenate([np.ravel(v) for of in of_it for v in of[begins:] or of])
+            low, high = extremes(shown)
+            inner = np.percentile(shown[np.isfinite(shown)], INSIDE) if low < high else (low, high)
+            if inner[1] - inner[0] > NOTHING * size:  # else what happens is in few places
+                low, high = map(float, inner)
+            if high - low <= NOTHING * size:
+                low, high = (0.5 * (low + high) + sign * (0.1 * size or 1.0) for sign in (-1, 1))
+            stress = "stress" in label
+            colours = "cividis" if stress else PLAIN.get(quantity.name, "viridis")
+            if quantity.signed(label) and min(-low, high) > BESIDE * (high - low):
+                colours, high = "PuOr_r" if stress else "RdBu_r", max(-low, high)
+                low = -high
+            self.scales[label] = {"cmap": colours, "vmin": low, "vmax": high}
 
     def draw(self, axes: Axes, frame: int) -> None:
         """Draw one frame."""
@@ -262,7 +246,7 @@ class View:
         axes.set_aspect("equal" if self.ratio <= 1 / THIN else "auto")
         axes.grid(visible=False)
         for kind, of in found:
-            if scale := self.scales.get(kind):
+            if scale := self.scales.get(self.quantity.labels.get(kind, "")):
                 shown = *of[:2], np.ma.masked_invalid(of[-1])
                 axes.pcolormesh(*shown, shading="gouraud", rasterized=True, **scale)
                 levels = np.linspace(scale["vmin"], scale["vmax"], self.wanted.contours + 2)[1:-1]
@@ -327,7 +311,7 @@ def draw(figure: Figure, view: View) -> None:
         axes.locator_params(axis="x", nbins=min(4, int(1 + 2 * width)))
     if view.plane:
         draw_bars(figure, view, grid)
-    elif len(view.scales) > 1:
+    elif len(view.quantity.labels) > 1:
         legend_above(grid[columns - 1], side="right")
 
 
@@ -338,8 +322,7 @@ def draw_bars(figure: Figure, view: View, axes: Any) -> None:
 
     wide = isinstance(axes, list)
     size = {"aspect": 50, "shrink": 0.7} if wide else {"aspect": 25}
-    for kind, label in view.bars.items():
-        scale = view.scales[kind]
+    for label, scale in view.scales.items():
         colours = ScalarMappable(Normalize(scale["vmin"], scale["vmax"]), scale["cmap"])
         bar = figure.colorbar(colours, ax=axes, location="top", pad=0.02, **size)
         bar.set_label(labelled(view.run, label, view.quantity.unit), loc="left")
@@ -360,8 +343,8 @@ def draw_over_time(figure: Figure, run: Run, quantities: Sequence[Quantity]) -> 
             x = X + [np.interp(X, X[at], (x - X)[at]) for x, _, at in there]
             values = [np.interp(X, X[at], values[at]) for _, values, at in there]
             t = np.broadcast_to(run.time[:, None], x.shape)
-            shown = {"shading": "gouraud", "rasterized": True, **view.scales[layer.kind]}
-            axes.pcolormesh(x, t, values, **shown)
+            scale = view.scales[quantity.labels[layer.kind]]
+            axes.pcolormesh(x, t, values, shading="gouraud", rasterized=True, **scale)
         lines = run.series.get("x_interface", np.empty((0, 0))).T
         for x, (color, width) in product(lines, OUTLINE):
             axes.plot(x, run.series["t"], color=color, linewidth=width)

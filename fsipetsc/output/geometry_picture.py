@@ -1,12 +1,11 @@
-"""What a case is made of, as a table and a picture: blocks or layers, their nodes and spacing, what
-stands at their faces.
+"""What a case is made of, as a table and a picture: blocks, their nodes and spacing, what stands at
+their faces.
 """
 
 from collections.abc import Sequence
 from itertools import product
-from math import ceil
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +16,6 @@ from fsipetsc.blocks.faces import Meeting
 from fsipetsc.checks import Array
 from fsipetsc.output import drawing
 from fsipetsc.output.info import Rows
-from fsipetsc.problem import Problem
 
 LINES = 24  # of the grid that are drawn, about, along each axis
 SLENDER = 3  # height over width: names of more slender blocks stand beside them
@@ -29,77 +27,49 @@ FACES: dict[str, dict[str, Any]] = {
 }
 
 
-class Outline(NamedTuple):
-    """A block, or a layer of the paper's method.
-
-    X: (n_0, n_1, …, d) places of nodes [m], of a periodic axis its end, too. sides: (axis, side) ->
-    which of FACES is there, and its text; nothing on a periodic axis.
-    """
-
-    name: str
-    kind: str
-    shape: tuple[int, ...]
-    X: Array
-    sides: dict[tuple[int, int], tuple[str, str]]
+def _places(problem: BlockProblem, k: int) -> Array:
+    """Return places (n_0, n_1, …, d) of the nodes of a block [m], with the end of periodic axes."""
+    return problem.places_at(k, mesh([np.arange(n + 1) for n in problem.blocks[k].cells])).T
 
 
-def outlines(problem: Problem | BlockProblem, h: float) -> list[Outline]:
-    """Return all blocks, or layers with the spacing h [m]. InputError where h does not fit."""
-    of = _of_block if isinstance(problem, BlockProblem) else _of_layer
-    return [of(problem, k, h) for k in range(len(problem.layers))]
-
-
-def _of_block(problem: BlockProblem, k: int, h: float) -> Outline:
-    block, sides = problem.blocks[k], {}
-    X = problem.places_at(k, mesh([np.arange(n + 1) for n in block.cells])).T
+def _faces(problem: BlockProblem, k: int) -> dict[tuple[int, int], tuple[str, str]]:
+    """Return (axis, side) -> which of FACES is there, and its text; nothing on a periodic axis."""
+    block, found = problem.blocks[k], {}
     for face, met in problem.kinds[k].items():
+        kind, text = "condition", type(met).__name__
         if isinstance(met, Meeting):
             other = problem.blocks[met.block]
-            kind = "join" if other.kind == block.kind else "interface"
             shifted = isinstance(problem.faces.get((block.name, *face)), Periodic)
-            text = f"{'periodic' if shifted else kind} with {other.name}"
-            sides[face] = "condition" if shifted else kind, text
-        else:
-            sides[face] = "condition", type(met).__name__
-    return Outline(block.name, block.kind, block.shape, X, sides)
+            name = "join" if other.kind == block.kind else "interface"
+            kind, name = ("condition", "periodic") if shifted else (name, name)
+            text = f"{name} with {other.name}"
+        found[face] = kind, text
+    return found
 
 
-def _of_layer(problem: Problem, k: int, h: float) -> Outline:
-    """Return a layer of the paper's method, whose nodes are counted from its interface."""
-    layer, sides = problem.layers[k], {}
-    gas, (begin, end) = layer.kind == "fluid", layer.X
-    steps = h * np.arange(1 + (ceil((end - begin) / h - 1e-9) if gas else layer.fitting(h)))
-    X = end - steps[::-1] if gas and k == 0 else begin + steps
-    for side in (0, 1):
-        if (stands := problem.end(k, side)) is not None:
-            sides[0, side] = "condition", type(stands).__name__
-        else:
-            other = problem.layers[k + 2 * side - 1].name
-            sides[0, side] = "interface", f"interface with {other}"
-    return Outline(layer.name, layer.kind, X.shape, X[:, None], sides)
-
-
-def geometry_rows(found: Sequence[Outline], m: str) -> Rows:
-    """Return what the blocks have, a row for each and for each axis; m: what follows a length."""
+def geometry_rows(problem: BlockProblem) -> Rows:
+    """Return what the blocks have, a row for each and for each axis."""
 
     def span(*sizes: Array) -> str:
         least, most = min(of.min() for of in sizes), max(of.max() for of in sizes)
-        return f"spacing {least:.4g}" + f" to {most:.4g}" * bool(most > 1.000001 * least) + m
+        more = f" to {most:.4g}" * bool(most > 1.000001 * least)
+        return f"spacing {least:.4g}{more}{problem.unit('m')}"
 
     rows, every = [], []
-    for one in found:
-        sizes = " x ".join(map(str, one.shape))
-        rows.append((one.name, f"{'gas' if one.kind == 'fluid' else 'solid'}, {sizes} nodes"))
-        for axis in range(len(one.shape)):
-            every.append(np.linalg.norm(np.diff(one.X, axis=axis), axis=-1))
-            stands = [one.sides[axis, side][1] for side in (0, 1) if (axis, side) in one.sides]
+    for k, block in enumerate(problem.blocks):
+        X, faces = _places(problem, k), _faces(problem, k)
+        sizes = " x ".join(map(str, block.shape))
+        rows.append((block.name, f"{'gas' if block.kind == 'fluid' else 'solid'}, {sizes} nodes"))
+        for axis in range(problem.dimension):
+            every.append(np.linalg.norm(np.diff(X, axis=axis), axis=-1))
+            stands = [faces[axis, side][1] for side in (0, 1) if (axis, side) in faces]
             text = f"from {' to '.join(stands)}" if stands else "periodic"
             rows.append((f"  axis {axis}", f"{span(every[-1])}; {text}"))
-    nodes = sum(int(np.prod(one.shape)) for one in found)
+    nodes = sum(int(np.prod(block.shape)) for block in problem.blocks)
     return [*rows, ("all", f"{nodes:,} nodes, {span(*every)}")]
 
 
-def draw_geometry(target: Path, found: Sequence[Outline], title: str, axes: Sequence[str]) -> Path:
+def draw_geometry(target: Path, problem: BlockProblem, title: str, axes: Sequence[str]) -> Path:
     """Write the picture; axes: labels of the coordinates. FileError."""
     from matplotlib import rc_context
     from matplotlib.figure import Figure
@@ -107,8 +77,8 @@ def draw_geometry(target: Path, found: Sequence[Outline], title: str, axes: Sequ
     with rc_context(drawing.STYLE):
         figure = Figure(figsize=(10.8, 3.4 if len(axes) == 1 else 7.0))
         view = figure.add_subplot(projection="3d" if len(axes) == 3 else None)
-        for one in found:
-            _draw_block(view, one)
+        for k in range(len(problem.blocks)):
+            _draw_block(view, problem, k)
         view.set(**{f"{axis}label": label for axis, label in zip("xyz", axes)})
         view.grid(visible=False)
         view.use_sticky_edges = False
@@ -117,15 +87,17 @@ def draw_geometry(target: Path, found: Sequence[Outline], title: str, axes: Sequ
             view.yaxis.set_visible(False)
             view.spines["left"].set_visible(False)
         else:
-            view.set_aspect("equal", anchor="N")
+            view.set_aspect("equal")
+        view.set_anchor("NW")
         drawing.legend_above(view, "right")
         drawing.set_title(figure, title)
         return drawing.save(figure, target)
 
 
-def _draw_block(view: drawing.Axes, one: Outline) -> None:
+def _draw_block(view: drawing.Axes, problem: BlockProblem, k: int) -> None:
     """Draw faces with their conditions; grid lines, or in three dimensions the edges."""
-    X, color = one.X, drawing.COLORS[one.kind]
+    block, X = problem.blocks[k], _places(problem, k)
+    color = drawing.COLORS[block.kind]
     if X.ndim == 2:  # a strip of two dimensions
         X = np.stack(np.broadcast_arrays(X, [0.0, 1.0]), axis=-1)
     d = X.ndim - 1
@@ -140,13 +112,13 @@ def _draw_block(view: drawing.Axes, one: Outline) -> None:
         view.contourf(*X.T, 0.0 * X[..., 0].T, [-1, 1], colors=[color], alpha=0.15)
         thin += [line for rows in (X, X.swapaxes(0, 1)) for line in rows[:: len(rows) // LINES + 1]]
     for line in thin:
-        view.plot(*line.T, color=color, linewidth=0.5 * (d - 1), alpha=0.6, label=one.kind)
+        view.plot(*line.T, color=color, linewidth=0.5 * (d - 1), alpha=0.6, label=block.kind)
     centre, size = _centre(X), np.ptp(X, axis=tuple(range(d)))
     middle: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 9, "fontsize": 8}
-    slender = len(one.shape) == 2 and size[1] > SLENDER * size[0]  # its name stands beside it
-    beside = {"s": f"  {one.name}", "ha": "left"} if slender else {"s": one.name}
+    slender = problem.dimension == 2 and size[1] > SLENDER * size[0]  # its name stands beside it
+    beside = {"s": f"  {block.name}", "ha": "left"} if slender else {"s": block.name}
     view.text(*centre, color=color, weight="bold", **middle | beside)
-    for face, (kind, text) in one.sides.items():
+    for face, (kind, text) in _faces(problem, k).items():
         label = "" if kind == "condition" else kind
         for line in (lines := edges(*face)):
             view.plot(*line.T, label=label, **{"color": color, **FACES[kind]})

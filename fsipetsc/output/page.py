@@ -8,22 +8,21 @@ import io
 import os
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from itertools import product
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from fsipetsc.checks import Array, counted
+from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option
 from fsipetsc.output import drawing
 from fsipetsc.output.drawing import USUAL, Figure, View, Wanted
 from fsipetsc.output.file_layout import columns_of, writing
 from fsipetsc.output.info import info
-from fsipetsc.output.quantities import Quantity, chosen, there, unit_of, written
+from fsipetsc.output.quantities import chosen, there, unit_of, written
 from fsipetsc.output.reader import Run, open_run
-from fsipetsc.scheme.observables import SERIES, Drifts
+from fsipetsc.scheme.observables import PLACE, SERIES, Drifts
 
 WIDTH = 10.8  # inches, of a figure
 PANELS, MAPS = 2.8, 4.4  # inches, heights of a row of curves, of maps over x and t
@@ -32,7 +31,7 @@ FILM_DPI, MOST_FRAMES, FILM_SECONDS = 100, 200, 10.0
 HTML_DPI = 110  # of pictures in a page of HTML
 LEAST_FRAMES = 5  # of fewer, profiles say more than maps over x and t
 CONTOURS = Option("contours", int, 0, "", "lines on each map", check="nonnegative")
-TIMES, PROBE = Option("times", "floats", (), "s", ""), Option("probes", "floats", (), "m", "")
+TIMES = Option("times", "floats", (), "s", "")
 PICTURES, FILMS = (".png", ".pdf", ".svg", ".jpg"), (".gif", ".mp4")
 INTERFACE_POINTS = (0.25, 0.5, 0.75)  # of an interface, whose deflection is drawn as a curve
 DEPARTURE, STEP = "relative departure", "time step"
@@ -54,13 +53,12 @@ def plot(path: str, given: Mapping[str, str]) -> str:
     from matplotlib import rc_context
     from matplotlib.animation import FFMpegWriter
 
-    names, probes = (given.get(name, "") for name in ("-fields", "-probes"))
+    fields = given.get("-fields", "")
     wanted = Wanted(
-        fields=[name.strip() for name in names.split(",") if names],
+        fields=[name.strip() for name in fields.split(",") if fields],
         times=TIMES.parse(given["-times"]) if "-times" in given else (),
-        contours=int(CONTOURS.parse(given.get("-contours", "0"))),
+        contours=CONTOURS.parse(given.get("-contours", "0")),
         streamlines="-streamlines" in given,
-        probes=[PROBE.parse(place) for place in probes.split(";") if probes],
     )
     where, every, film = Path(given.get("-o", os.curdir)), "-all" in given, "-animate" in given
     endings = () if every else FILMS if film else PICTURES
@@ -104,7 +102,7 @@ Drawing = tuple[float, Callable[[Figure], None]]
 
 
 def page(run: Run, wanted: Wanted = USUAL) -> Figure:
-    """Draw fields over space and time, and probes, interfaces, energy, departures, steps."""
+    """Draw fields over space and time, and interfaces, energy, departures, steps."""
     end = drawing.moment(run, -1) if run.nframes else "no frame"
     title = f"{end}, {len(run.series.get('t', ())):,} steps"
     return drawn(run, title, [*pictures(run, wanted, every=False).values()])
@@ -121,14 +119,14 @@ def pictures(run: Run, wanted: Wanted = USUAL, every: bool = True) -> dict[str, 
             found[quantity.name] = view.size()[2], partial(drawing.draw, view=view)
     if over_time and (every or not wanted.times):
         found["xt"] = MAPS, partial(drawing.draw_over_time, run=run, quantities=quantities)
-    rows = {"probes": probed(run, quantities, wanted.probes), **all_panels(run)}
+    rows, columns = all_panels(run), 3
     if not every:
-        first, *more = rows.pop("interfaces"), *rows.pop("ledgers"), *rows.pop("steps")
-        told = [panel for panel in more if panel.label in ("change of energy", DEPARTURE, STEP)]
-        rows["told"] = [*first[:1], *sorted(told, key=lambda panel: panel.label)]
+        told = [*rows["ledgers"], *rows["steps"]]
+        told = [panel for panel in told if panel.label in ("change of energy", DEPARTURE, STEP)]
+        told.sort(key=lambda panel: panel.label)
+        rows, columns = {"told": [*rows["interfaces"][:1], *told]}, 4
     for name, panels in rows.items():
         if panels:
-            columns = 4 if name == "told" else 3
             curves = partial(_draw_curves, run=run, panels=panels, columns=columns)
             found[name] = PANELS * -(-len(panels) // columns), curves
     return found
@@ -161,12 +159,13 @@ class Panel(NamedTuple):
 
 
 def all_panels(run: Run) -> dict[str, list[Panel]]:
-    """Return the panels of interfaces, of balances, and of the time step.
+    """Return the panels of interfaces, of recorded points, of balances, and of the time step.
 
     In two dimensions deflections come first, the largest before the others. Departures from laws
     come before totals. Of some steps each the longest is drawn: those to saved times are shorter.
     """
-    found: dict[str, list[Panel]] = {name: [] for name in ("interfaces", "ledgers", "steps")}
+    names = "interfaces", "points", "ledgers", "steps"
+    found: dict[str, list[Panel]] = {name: [] for name in names}
     if run.dimension == 2 and run.nframes > 1:
         lines = [run.interface(k) for k in range(len(run.interfaces))]
         for line in sorted(lines, key=lambda line: -np.nanmax(np.abs(line.displacement))):
@@ -183,32 +182,18 @@ def all_panels(run: Run) -> dict[str, list[Panel]]:
             found["ledgers"].append(Panel(DEPARTURE, "", t, departed, logarithmic=True))
     for name, one in SERIES.items():
         if one.label and name in run.series:
-            label, values, start = one.label.replace("*", name[-1]), run.series[name], 0.0
+            axis = name.removesuffix("_point")[-1]
+            label, values, start = one.label.replace("*", axis), run.series[name], 0.0
             if name == "x_interface" or label.startswith("change"):
                 start = np.asarray(run.summary.get(f"initial_{name}", values[0]))
-            names = columns_of(run.header).get(one.of, [name])
-            curves = dict(zip(names, (values - start).reshape(len(t), -1).T))
+            columns = columns_of(run.header).get(one.of, [name])
+            curves = dict(zip(columns, (values - start).reshape(len(t), -1).T))
             unit, apart = written(unit_of(name, run)), name.startswith("residual")
             panel = Panel(label, unit, t, curves, logarithmic=apart)
-            found["interfaces" if one.of == "interface" else "ledgers"].append(panel)
+            found[f"{one.of}s" if one.kind == PLACE else "ledgers"].append(panel)
     at, dt = envelope(t, run.series["dt"], max(2, len(t) // 4))
     found["steps"].append(Panel(STEP, "s", at, {"dt": dt}))
     return found
-
-
-def probed(run: Run, quantities: Sequence[Quantity], places: Sequence[Any]) -> list[Panel]:
-    """Return quantities at the nodes nearest to the places, in the saved frames. InputError."""
-    if any(len(at) != run.dimension for at in places):
-        raise InputError(f"-probes: expected {counted(run.dimension, 'number')} for each place")
-    panels = [Panel(q.title, q.unit, run.time, {}) for q in quantities if places]
-    for (panel, q), at in product(zip(panels, quantities), places):
-        layers = [layer for layer in run.layers if layer.kind in q.labels]
-        away = [np.linalg.norm(layer.places - at, axis=-1) for layer in layers]
-        layer, near = min(zip(layers, away), key=lambda of: of[1].min())
-        frames = map(layer.frame, range(run.nframes))
-        values = [q.values(layer, of).flat[np.argmin(near)] for of in frames]
-        panel.curves["at " + ", ".join(f"{x:.4g}" for x in at)] = np.array(values)
-    return panels
 
 
 def _draw_curves(figure: Figure, run: Run, panels: list[Panel], columns: int) -> None:

@@ -72,9 +72,9 @@ class Quantity(NamedTuple):
     #: what is shown of gases, then of solids if that is something else
     title = property(lambda self: "; ".join(dict.fromkeys(self.labels.values())))
 
-    def signed(self, kind: str) -> bool:
+    def signed(self, label: str) -> bool:
         """Whether its sign means something: not of pressures, densities and temperatures."""
-        return "stress" in self.labels[kind] or self.name not in ("p", "rho", "T", "schlieren")
+        return "stress" in label or self.name not in ("p", "rho", "T", "schlieren")
 
     def values(self, layer: Any, fields: Mapping[str, Array]) -> Array:
         """Return values of it, from the fields of a frame of a layer; beside the pressure of gases
@@ -100,9 +100,11 @@ def there(run: Run) -> dict[str, Quantity]:
     made = {("fluid", "schlieren"): not line, ("solid", "strain"): line, ("solid", "p"): True}
     for name, (label, _) in FIELDS.items():
         known = {la.kind for la in run.layers if name in la.fields or made.get((la.kind, name))}
+        if name == "p" and "solid" in known:
+            label += "; p − σ in solids" * line
         labels = {kind: label for kind in ("fluid", "solid") if kind in known}
-        if name == "p" and "solid" in labels:
-            labels["solid"] = f"{'p − σ' if line else 'mean stress'} in solids"
+        if name == "p" and "solid" in known and not line:
+            labels["solid"] = "mean stress in solids"
         if label and labels:
             found[name] = Quantity(name, labels)
     return found

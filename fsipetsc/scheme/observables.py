@@ -47,6 +47,7 @@ _AT_ENDS, _MISSED = "at an interface in one dimension", "are apart there, in the
 _LOSSY = 'kinetic and elastic energy of solids with `heat="elastic"`'
 _MOVED, _FLUXES = "displacement of the interface", f"by how much heat fluxes {_MISSED}"
 _LINE, _PAPER = (PLACE, "interface", "line"), (PLACE, "interface", "paper")
+_POINT, _MEAN = (PLACE, "point", ""), "of a solid minus its mean normal stress"
 _ENTRIES = (
     ("t", "s", "time after the step", STEP),
     ("dt", "s", "length of the step", STEP),
@@ -69,10 +70,10 @@ _ENTRIES = (
     ("residual_T", "K", f"by how much temperatures {_MISSED}", *_PAPER, "|residual|, temperature"),
     ("residual_flux", "W m-2", _FLUXES, *_PAPER, "|residual|, heat flux"),
     ("momentum", "N s", "momentum, in the paper's method", INTEGRAL, "", "paper", "momentum"),
-    ("*_point", "m", "position of a node that is recorded", PLACE, "point"),
-    ("@_point", "m s-1", "its velocity", PLACE, "point"),
-    ("T_point", "K", "its temperature", PLACE, "point"),
-    ("p_point", "Pa", "its pressure; of a solid minus its mean normal stress", PLACE, "point"),
+    ("*_point", "m", "position of a node that is recorded", *_POINT, "change of *"),
+    ("@_point", "m s-1", "its velocity", *_POINT, "velocity *"),
+    ("T_point", "K", "its temperature", *_POINT, "temperature T"),
+    ("p_point", "Pa", f"its pressure; {_MEAN}", *_POINT, "pressure p"),
     ("mass_in", "kg", "mass that came in", GAIN, "gas"),
     ("lost_energy", "J", "what the step lost of `solid_energy`", GAIN, "", "lossy"),
     ("force_work", "J", "work of constant forces", GAIN, "", "pulled"),

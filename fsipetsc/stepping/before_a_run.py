@@ -10,10 +10,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from fsipetsc import cases
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.cases import case_after, options_after
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import PROGRAM, Option, read_options
-from fsipetsc.output.geometry_picture import draw_geometry, geometry_rows, outlines
+from fsipetsc.output.geometry_picture import draw_geometry, geometry_rows
 from fsipetsc.output.info import table
 from fsipetsc.output.page import PICTURES
 from fsipetsc.process.launch import start_petsc
@@ -75,12 +76,16 @@ def geometry(arguments: list[str], comm: Comm) -> None:
 
     problem = build_problem(case, opt, comm)
 
+    if not isinstance(problem, BlockProblem):
+        said = "draws blocks, and these couplings have none: take -fsi_coupling conservative"
+        raise InputError(f"geometry: {said}")
+
     def show() -> None:
-        found, m, d = outlines(problem, opt["fsi_h"]), problem.unit("m"), problem.dimension
-        rows, target = geometry_rows(found, m), Path(opt["o"] or f"{case.NAME}-geometry.png")
-        axes = [*"XYZ"[: d - 1], "r" if getattr(problem, "symmetry", 0) else "XYZ"[d - 1]]
-        labels = [f"{x} [m]" if m else x for x in axes]
-        drawn = draw_geometry(target, found, f"{case.NAME}: {rows[-1][1]}", labels)
+        d, target = problem.dimension, Path(opt["o"] or f"{case.NAME}-geometry.png")
+        axes = [*"XYZ"[: d - 1], "r" if problem.symmetry else "XYZ"[d - 1]]
+        labels = [f"{x} [m]" if problem.unit("m") else x for x in axes]
+        rows = geometry_rows(problem)
+        drawn = draw_geometry(target, problem, f"{case.NAME}: {rows[-1][1]}", labels)
         if not opt["fsi_quiet"]:
             say(f"{table(rows)}\npicture in {drawn}")
 

@@ -27,7 +27,7 @@ from fsipetsc.errors import ComputationError, FileError, InputError, Interrupted
 from fsipetsc.kernels import build
 from fsipetsc.options import read_options
 from fsipetsc.output import file_layout
-from fsipetsc.output.geometry_picture import geometry_rows, outlines
+from fsipetsc.output.geometry_picture import geometry_rows
 from fsipetsc.output.info import summary_rows, table
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.paper.paper_state import PaperState
@@ -180,7 +180,8 @@ class Run(Integrator):
         opt = self.opt
         self.start()
         self._say_what_runs()
-        self.line(table(geometry_rows(outlines(self.problem, opt["fsi_h"]), self.m)))
+        if isinstance(self.problem, BlockProblem):
+            self.line(table(geometry_rows(self.problem)))
         self.line(*first_notes(self.state, opt))
         rate = float(self.state.results[RATE])
         dt = float(longest_step(opt["fsi_cfl"], opt["ts_dt"] or 0.0, rate))
