@@ -166,9 +166,10 @@ class State:
         ``more``, and those of latest.
         """
         rows, self.batch = np.zeros((plan.CAPACITY, record.itemsize // 8)), np.zeros(plan.BATCH)
-        first = plan.FLAGS + plan.LIMITS
-        numbers = np.zeros(first + more + rows.shape[1] - 2)
-        self.results, self.latest_numbers = numbers[:first], numbers[first + more :]
+        numbers = np.zeros(plan.RESULTS + more + rows.shape[1] - 2)
+        self.results, self.latest_numbers = np.split(numbers, [plan.RESULTS, -rows.shape[1] + 2])[
+            ::2
+        ]
         self.journal = rows.reshape(-1).view(record)
         kind = [(name, record[name]) for name in record.names[2:]]
         self.latest = self.latest_numbers.view(kind)[0]

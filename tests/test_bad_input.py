@@ -43,7 +43,7 @@ LINES = [
     ("rod -fsi_h 1e-9 -fsi_coupling projection", 2, "'below'…cells…-fsi_h…too many"),
     ("rod -fsi_coupling projection -fsi_mapping stretched", 2, "-fsi_coupling conservative"),
     ("rod -fsi_coupling projection -fsi_dissipation 1", 2, "-fsi_dissipation"),
-    ("piston -fsi_coupling projection", 2, "the wall of layer…moves…-fsi_coupling conservative"),
+    ("piston -fsi_coupling projection", 2, "a wall moves…-fsi_coupling conservative"),
     ("blast -fsi_coupling energy", 2, "this case is made of blocks, …: expected conservative"),
     ("blast -fsi_probes 0.5,9", 2, "no block is there; the nearest node is 7.75 away"),
     ("convergence rod -fsi_hs 0.1,0.05", 2, "rod has no exact solution: its grids are compared"),

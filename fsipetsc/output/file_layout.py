@@ -51,7 +51,7 @@ FORMAT, VERSION = "fsipetsc result", 4
 NAMES = "names"  # attribute of the group of series: their names
 LIBVER = ("v110", "v110")
 _MAGIC = b"fsipetsc checkpoint "
-_CHECKPOINT = 8  # version
+_CHECKPOINT = 9  # version
 _HEAD = 512  # bytes: HDF5 looks for its own beginning at this place, too
 _XDMF = '<?xml version="1.0" ?>\n<!DOCTYPE Xdmf SYSTEM "Xdmf.dtd" []>\n<Xdmf Version="2.0">\n'
 _SERIES = '<Domain><Grid Name="{}" GridType="Collection" CollectionType="Temporal">\n'

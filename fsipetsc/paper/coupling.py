@@ -50,10 +50,10 @@ AGREED, REFINEMENTS = 1e-15, 20
 
 class Interface(SimpleNamespace):
     """An interface of two layers, gas and solid, in the treatment of a ``kind``, a value of
-    -fsi_coupling. first: their points at the interface; owners: of these, who have all rows; here:
-    whether they are this rank; rows: their places in memory. Two owners tell each other their rows,
-    and both solve the same small system. jump: what is prescribed; notes: what is noted of all,
-    (NOTES, interfaces), of this one in column ``number``.
+    -fsi_coupling. first: their points at the interface; here: whether the owners of these, who have
+    all rows, are this rank; messages: in which they tell each other their rows, and both solve the
+    same small system. jump: what is prescribed; notes: what is noted of all, (NOTES, interfaces),
+    of this one in column ``number``.
     """
 
     @property
@@ -104,15 +104,16 @@ class Rows:
         self._points[at[1], self._first + self._step * at[0]] = value
 
 
-def interface_of(pair: Sequence[Layer], me: int, number: int, kind: str, notes: Array) -> Interface:
+def interface_of(pair: Sequence[Layer], number: int, me: int, kind: str, notes: Array) -> Interface:
     """An interface of gas and solid, on rank ``me``."""
     gas, solid = pair
     rows, inwards = np.arange(row_length(gas.op)), (1, -1) if gas.side else (-1, 1)
     first = tuple(int(v.lo if step > 0 else v.hi) for v, step in zip(pair, inwards))
     one = Interface(kind=kind, gas=gas, solid=solid, first=first, notes=notes, number=number)
-    one.owners = tuple(v.share.ranks[0 if step > 0 else -1] for v, step in zip(pair, inwards))
-    one.rows = tuple(v.places(at + step * rows) for v, at, step in zip(pair, first, inwards))
-    one.jump, one.here = np.zeros(4), tuple(owner == me for owner in one.owners)
+    owners = [v.share.ranks[0 if step > 0 else -1] for v, step in zip(pair, inwards)]
+    places = [v.places(at + step * rows) for v, at, step in zip(pair, first, inwards)]
+    one.messages = list(zip(owners, owners[::-1], places, strict=True))
+    one.jump, one.here = np.zeros(4), [owner == me for owner in owners]
     return one
 
 

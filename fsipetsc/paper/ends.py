@@ -15,7 +15,7 @@ from fsipetsc.boundaries import Dirichlet, Open, Wall, clamped, free
 from fsipetsc.equations.vectors import choose
 from fsipetsc.kernels.loops import each, named, number, pick, stop, when, whole
 from fsipetsc.paper.stencils import halo_of_rates
-from fsipetsc.scheme.plan import EXHAUSTED
+from fsipetsc.scheme.plan import OFF_GRID
 
 #: nodes that a formula may use, ghost point included
 NODES = 8
@@ -44,7 +44,7 @@ def degree_of(end, p):
 def distance(layer):
     """From the interface to the embedded boundary, in cells, from where the frame is: not by
     (4.25)."""
-    return np.absolute(layer.end_x[layer.side] - layer.frame[1]) / layer.h
+    return np.absolute(layer.end_x - layer.frame[1]) / layer.h
 
 
 def beyond_boundary(layer):
@@ -213,17 +213,17 @@ class OpenEnd(GasEnd):
         return part * carrying / (carrying + alpha)
 
     def ghost(self):
-        (p0, T0, u0), n, h = (self.data[c] for c in range(3)), self.n, self.layer.h
-        law, gamma = self.gas.law, self.gas.gamma
+        (p0, T0, u0), n, layer = (self.data[c] for c in range(3)), self.n, self.layer
+        law, gamma = self.gas.law, layer.gamma
         rho0, c0, tau, alpha, by_heat, b, kappa, of_1 = self.beyond()
         (rho, u, T), (rho1, u1, T1), (rho2, _, T2) = self.nodes(3)
         v1, c2 = n * (u1 - u0), law.sound_speed_squared(rho1, T1)
         p, p1 = law.pressure(rho, T), law.pressure(rho1, T1)
         Z, scale, m = rho1 * np.sqrt(c2), rho0 * c0 * c0 / gamma, 0.5 - 0.5 / gamma
         # Z v (1 + by_v) = simple wave + by_p (p - p0) + known
-        by = of_1 / (rho0 * c0 * h)
+        by = of_1 / (rho0 * c0 * layer.h)
         by_v, by_p = by * np.maximum(b, 0.0), by * np.maximum(-b, 0.0)
-        q_n = (T1 - T2 - tau * (p1 - law.pressure(rho2, T2))) / h
+        q_n = (T1 - T2 - tau * (p1 - law.pressure(rho2, T2))) / layer.h
         heat = self.carried(n * u1, alpha, of_1) * by_heat * kappa / (rho0 * c0) * q_n
         known = by_v * rho0 * c0 * v1 - by_p * (p1 - p0) + np.where(kappa > 0.0, heat, 0.0)
         # with p + n Z u, a quadratic equation for y, the pressure of the wave in units of scale
@@ -286,7 +286,7 @@ def fill_ghost(layer, new=False):
 
 
 def move_boundary(layer):
-    """Let the ghost point be the first one at or beyond the boundary; EXHAUSTED: 1 + the number of
+    """Let the ghost point be the first one at or beyond the boundary; OFF_GRID: 1 + the number of
     the layer if no point is left.
 
     A point that comes in is extrapolated and becomes the ghost point; where the boundary moves
@@ -303,7 +303,7 @@ def move_boundary(layer):
             stop(layer.hi - layer.lo >= target)
             exhausted = active[side] == (size - 1 if side else 0)
             with when(exhausted):
-                layer.steps.results[EXHAUSTED] = 1.0 + number(layer.number)
+                layer.steps.results[OFF_GRID] = 1.0 + number(layer.number)
             stop(exhausted)
             active[side] = active[side] + outwards
             fill_ghost(layer, new=True)

@@ -1,10 +1,11 @@
 """Layers and their grids: what a rank has of them, and what procedures take.
 
 A layer has planes, one unknown of all points after the other: gas rho, rho u, e; solid u, sigma, T,
-x. Some points of a gas are held in reserve, on its outer side.
+x. Some points of a gas are held in reserve, on its outer side. All ranks have memory for all points
+of all layers, so that a number has the same place on each of them.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from math import prod
 from types import SimpleNamespace
@@ -17,15 +18,13 @@ from fsipetsc.boundaries import Wall
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import Array, zeros
 from fsipetsc.kernels.loops import named
-from fsipetsc.materials.fluid import force_in
-from fsipetsc.materials.solid import Elastic
 from fsipetsc.operators.sbp import SBPOperator, row_length
 from fsipetsc.paper.ends import OF_GAS, degree_of
 from fsipetsc.paper.rates import PIECE, ROWS, Gas
 from fsipetsc.paper.stencils import closure_of, halo_of_rates
 from fsipetsc.parallel.block_shares import Extent, Share, share_out
 from fsipetsc.parallel.exchange import Route
-from fsipetsc.problem import FluidLayer, Problem, SolidLayer, check_place
+from fsipetsc.problem import Problem, check_place
 
 #: kind of layer -> unknowns of a point
 DOF = {"fluid": 3, "solid": 4}
@@ -38,32 +37,26 @@ HAS = {
     "fsi_shock": (0.0,),
     "fsi_convection": ("auto", "divergence"),
 }
-
-
-def law_of(layer: FluidLayer | SolidLayer) -> Gas | Elastic:
-    """The material as formulas. InputError for a force of more than one dimension."""
-    of = layer.material
-    if isinstance(layer, SolidLayer):
-        return of.elastic
-    (force,) = force_in(of.force, 1, "Fluid")
-    return Gas(of.gas_law, of.transport_law, 4.0 / 3.0 * of.mu, of.kappa, of.gamma, force)
+#: a rank that sends, one that receives, and places in the memory of both
+Message = tuple[int, int, Array]
 
 
 def check_form(problem: Problem, opt: Mapping[str, Any]) -> None:
     """InputError for options in force, or for a problem, that the paper's method does not have."""
-    layers = problem.layers
-    found = [f"-{name} {opt[name]}" for name, values in HAS.items() if opt[name] not in values]
-    found += [f"{layer} has a spacing of its own" for layer in layers if layer.cells]
-    found += ["there is no interface"] * (len(layers) == 1)
-    two = len(layers) > 3 or sum(layer.kind == "solid" for layer in layers) > 1
-    found += ["a gas lies between two solids"] * two
-    for layer, end in problem.outer:
-        if isinstance(end, Wall) and (end.moves or end.heated):
-            found.append(f"the wall of {layer} moves, or is not insulated")
-    if found:
+    kinds, ends = [layer.kind for layer in problem.layers], (problem.left, problem.right)
+    found = {f"-{name} {opt[name]}": opt[name] not in values for name, values in HAS.items()}
+    found |= {
+        "a layer has a spacing of its own": any(layer.cells for layer in problem.layers),
+        "there is no interface": len(kinds) == 1,
+        "a gas lies between two solids": len(kinds) > 3 or kinds.count("solid") > 1,
+        "a wall moves, or is not insulated": any(
+            isinstance(end, Wall) and (end.moves or end.heated) for end in ends
+        ),
+    }
+    for text in (text for text, there in found.items() if there):
         raise InputError(
-            f"{found[0]}: the paper's couplings are of a solid between gases in rigid frames, on "
-            "grids of one spacing: take -fsi_coupling conservative"
+            f"{text}: the paper's couplings are of a solid between gases in rigid frames, on grids "
+            "of one spacing: take -fsi_coupling conservative"
         )
 
 
@@ -101,39 +94,22 @@ def grid_of(problem: Problem, k: int, op: SBPOperator, h: float) -> tuple[int, i
     return cells + 1 + room, first, first + cells, least
 
 
-def shares_of(
-    size: int, problem: Problem, op: SBPOperator, grids: Sequence[Any], mode: str
-) -> list[Share]:
-    """The share of each layer, for ``size`` ranks. Active points alone are work; the outermost rank
-    of a gas has those in reserve. RanksError.
-    """
-    least = max(halo_of_rates(op), op.rows + 1)
-    extents = [
-        Extent(layer.kind, (hi - lo + 1,), (least,), least)
-        for layer, (_, lo, hi, _) in zip(problem.layers, grids, strict=True)
-    ]
-    return [
-        Share(share.ranks, ((0, *(cut + lo for cut in share.cuts[0][1:-1]), n),))
-        for share, (n, lo, *_) in zip(share_out(extents, size, mode), grids, strict=True)
-    ]
-
-
 class Layer(SimpleNamespace):
     """A layer and all of its points. A rank has numbers of those that it owns, from own[0] to below
     own[1], and of halos beside them, in all from known[0] to below known[1].
 
     layer: as the case has it, which is number ``number``. ends: what stands at the left and the
-    right end, None at an interface, and end_x: where. material: as formulas. closure: of op, as
-    numbers. narrow: with narrow second derivatives. least: active points that the operator and the
-    end conditions need. share: of all ranks. at, begin: of its numbers in the memory of all layers,
-    and in this rank's part of a solution.
+    right end, None at an interface; end_x: where that of a gas stands. material: as formulas; gamma
+    of a gas. closure: of op, as numbers. narrow: with narrow second derivatives. least: active
+    points that the operator and the end conditions need. share: of all ranks. at, begin: of its
+    numbers in the memory of all layers, and in this rank's part of a solution.
 
     active: the first and the last active point: in a gas interface point and ghost point. frame:
     velocity of the grid, that of the interface point, and x of the interface. given: (2, 5), what
     is given at the ends: data (fsipetsc.boundaries), temperature or heat flux. local, y, total,
     forcing: (unknowns, points) the stage, the solution before the step, the sum of the stages, and
-    what is added to rates, if anything. steps: of fsipetsc.paper.rates. bounds: of 1/dt. X: of the
-    points that it owns.
+    what is added to rates, if anything. scratch: rows of points, of a piece or of all. steps: of
+    fsipetsc.paper.rates. X: of the points that it owns.
     """
 
     @property
@@ -251,21 +227,27 @@ def layers_of(
     """All layers, on each rank, and the memory of all frames, then of the stage. InputError."""
     halo, h = halo_of_rates(op), opt["fsi_h"]
     grids = [grid_of(problem, k, op, h) for k in range(len(problem.layers))]
-    shares = shares_of(comm.size, problem, op, grids, opt["fsi_partition"])
+    least = max(halo, op.rows + 1)
+    of_layers = zip(problem.layers, grids, strict=True)
+    # active points alone are work; the outermost rank of a gas has those in reserve
+    extents = [Extent(v.kind, (hi - lo + 1,), (least,), least) for v, (_, lo, hi, _) in of_layers]
+    shares = share_out(extents, comm.size, opt["fsi_partition"])
     shapes = [(DOF[v.kind], size) for v, (size, *_) in zip(problem.layers, grids)]
     at = np.cumsum([2 * len(grids), *map(prod, shapes)]).tolist()
     planes = zeros((3, at[-1]))
     found, begin = [], 0
     for k, (layer, shape, share) in enumerate(zip(problem.layers, shapes, shares, strict=True)):
-        (size, lo, hi, least), ends = grids[k], (problem.end(k, 0), problem.end(k, 1))
-        v = Layer(layer=layer, number=k, material=law_of(layer), h=h, share=share, steps=steps)
-        v.ends, v.end_x = ends, tuple(getattr(end, "x", 0.0) for end in ends)
-        v.op, v.closure, v.least = op, closure_of(op), least
-        v.narrow = opt["fsi_viscous"] == "narrow"
-        v.own = share.part(comm.rank)[0] if comm.rank in share.ranks else (0, 0)
+        (size, lo, hi, needed), material = grids[k], layer.material
+        cuts = (0, *(cut + lo for cut in share.cuts[0][1:-1]), size)
+        v = Layer(layer=layer, number=k, h=h, share=Share(share.ranks, (cuts,)), steps=steps)
+        v.op, v.closure, v.least = op, closure_of(op), needed
+        v.narrow, v.ends = opt["fsi_viscous"] == "narrow", (problem.end(k, 0), problem.end(k, 1))
+        v.end_x, v.given = getattr(v.ends[v.side], "x", 0.0), np.zeros((2, 5))
+        v.material = Gas(*material.equations(1)) if v.is_gas else material.elastic
+        v.gamma = getattr(material, "gamma", 0.0)
+        v.own = v.share.part(comm.rank)[0] if comm.rank in share.ranks else (0, 0)
         v.known = (max(v.own[0] - halo, 0), min(v.own[1] + halo, size)) if v.own[1] else v.own
-        v.at, v.begin, v.bounds = at[k], begin, steps.bounds[2 * k :][:2]
-        v.active, v.frame, v.given = np.array([lo, hi]), planes[0, 2 * k :][:2], np.zeros((2, 5))
+        v.at, v.begin, v.active, v.frame = at[k], begin, np.array([lo, hi]), planes[0, 2 * k :][:2]
         v.local, v.y, v.total = (of[at[k] : at[k + 1]].reshape(shape) for of in planes)
         v.forcing = np.zeros(shape) if layer.forcing is not None else None
         v.scratch = np.zeros((ROWS, max(size, PIECE + 2 * halo)))
@@ -276,32 +258,23 @@ def layers_of(
     return found, planes[0]
 
 
-def routes_of(layers: Sequence[Layer], me: int) -> list[Route]:
-    """What rank ``me`` exchanges with others of layers: halos, and of a gas its frame, (4.20),
-    (4.25), which the rank of its interface knows.
+def messages_of(layers: Sequence[Layer]) -> Iterator[Message]:
+    """What ranks tell each other of layers: halos, and of a gas its frame, (4.20), (4.25), which
+    the rank of its interface knows.
     """
-    found = []
     for layer in layers:
-        ranks, cuts = layer.share.ranks, layer.share.cuts[0]
-        halo = np.arange(halo_of_rates(layer.op))
-        for pair, cut in zip(pairwise(ranks), cuts[1:]):
-            beside = layer.places(cut - 1 - halo), layer.places(cut + halo)
-            found += swapped(me, pair, beside)
-        frame, owner = 2 * layer.number + np.arange(2), ranks[layer.side - 1]
-        others = [rank for rank in ranks if rank != owner] if layer.is_gas else []
-        if me == owner:
-            found.append(Route({rank: frame for rank in others}, {}))
-        elif me in others:
-            found.append(Route({}, {owner: frame}))
-    return found
+        ranks, halo = layer.share.ranks, np.arange(halo_of_rates(layer.op))
+        for (low, high), cut in zip(pairwise(ranks), layer.share.cuts[0][1:]):
+            yield low, high, layer.places(cut - 1 - halo)
+            yield high, low, layer.places(cut + halo)
+        for rank in ranks if layer.is_gas else ():
+            yield ranks[layer.side - 1], rank, 2 * layer.number + np.arange(2)
 
 
-def swapped(me: int, ranks: Sequence[int], places: Sequence[Array]) -> list[Route]:
-    """What rank ``me`` sends and receives when each of two ranks tells the other one what is at its
-    places.
-    """
-    if me not in ranks or ranks[0] == ranks[1]:
-        return []
-    mine = ranks.index(me)
-    other = ranks[1 - mine]
-    return [Route({other: places[mine]}, {other: places[1 - mine]})]
+def routes_of(me: int, messages: Iterable[Message]) -> list[Route]:
+    """Those of the messages that rank ``me`` sends or receives."""
+    return [
+        Route({target: places}, {}) if source == me else Route({}, {source: places})
+        for source, target, places in messages
+        if source != target and me in (source, target)
+    ]

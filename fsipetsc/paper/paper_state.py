@@ -28,11 +28,11 @@ from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import ends, rates
 from fsipetsc.paper.coupling import couple, interface_of, note
-from fsipetsc.paper.layers import check_ends, check_form, layers_of, routes_of, swapped
+from fsipetsc.paper.layers import check_ends, check_form, layers_of, messages_of, routes_of
 from fsipetsc.parallel.exchange import Exchange, Reduction, exchange_text
 from fsipetsc.problem import Problem, SolidLayer
 from fsipetsc.process.together import agree, libraries, together
-from fsipetsc.scheme.plan import EXHAUSTED, STAGES, TOO_SHORT, plan_next, step_record
+from fsipetsc.scheme.plan import OFF_GRID, STAGES, plan_next, step_record
 from fsipetsc.state import State
 
 #: procedures of a layer by name; a lambda of the layer alone, because the recorder would take
@@ -45,7 +45,6 @@ OF_LAYERS: dict[str, dict[str, Any]] = {
 }
 #: what a checkpoint says of a layer: where its grid lies, and how it moves
 FRAME = "lo", "hi", "s", "x_interface"
-ROWS_TAG, HALOS_TAG = 0, 1  # of messages between ranks
 
 
 class PaperState(State):
@@ -73,11 +72,11 @@ class PaperState(State):
         count, noted = 2 * len(problem.layers), rates.NOTES * len(problem.interfaces)
         numbers = self._lay_journal(step_record(len(problem.interfaces), gases), count)
         # what ranks tell each other after a step comes first
-        told, sums = np.split(numbers, [self.results.size + count + noted])
-        _, bounds, notes = np.split(told, [self.results.size, self.results.size + count])
-        self.bounds = bounds.reshape(-1, 2)
-        steps = SimpleNamespace(batch=self.batch, stage=np.zeros(1), told=told, sums=sums)
-        steps.results, steps.bounds, steps.notes = self.results, bounds, notes
+        ends_at = np.cumsum([self.results.size, count, noted])
+        _, bounds, notes, sums = np.split(numbers, ends_at)
+        self.bounds, notes = bounds.reshape(-1, 2), notes.reshape(rates.NOTES, -1)
+        steps = SimpleNamespace(batch=self.batch, results=self.results, bounds=self.bounds)
+        steps.notes, steps.sums = notes, sums
         self.layers, memory = layers_of(comm, problem, opt, self.op, steps)
         self.parts = {v.number: v for v in self.layers if v.own[0] < v.own[1]}
         self.shapes = [v.local.shape[1:] for v in self.layers]
@@ -86,12 +85,16 @@ class PaperState(State):
         self.changing = *known, *frames, self.results, self.batch
         self.y = zeros(sum(v.owned.size for v in self.layers))
         self.solution = PETSc.Vec().createWithArray(self.y, comm=comm)
-        of = opt["fsi_coupling"], notes.reshape(rates.NOTES, -1)
         pairs = [[self.layers[k] for k in pair] for pair in problem.interfaces]
-        self.interfaces = [interface_of(v, comm.rank, k, *of) for k, v in enumerate(pairs)]
-        rows = [v for one in self.interfaces for v in swapped(comm.rank, one.owners, one.rows)]
-        self._rows = Exchange(comm, ROWS_TAG, rows, memory, memory)
-        self._halos = Exchange(comm, HALOS_TAG, routes_of(self.layers, comm.rank), memory, memory)
+        of = comm.rank, opt["fsi_coupling"], notes
+        self.interfaces = [interface_of(v, k, *of) for k, v in enumerate(pairs)]
+        of_rows = (message for one in self.interfaces for message in one.messages)
+        self._rows, self._halos = (
+            Exchange(comm, tag, routes_of(comm.rank, messages), memory, memory)
+            for tag, messages in enumerate((of_rows, messages_of(self.layers)))
+        )
+        self._reduction = Reduction(comm, numbers[: ends_at[-1]])
+        self._stages = np.arange(1.0 + rates.RATES_ALONE)
         self._load_procedures(steps, announce)
 
     def _load_procedures(self, steps: Any, announce: Callable[[str], None]) -> None:
@@ -109,32 +112,31 @@ class PaperState(State):
         for k, one in enumerate(self.interfaces):
             add("couple", k, couple, one, here=any(one.here))
             add("note", k, note, one, here=one.here[1])  # the owner of the solid does it
-        for n in range(STAGES + 1):
-            add("begin", n, rates.begin_stage(n), steps)
-        for f in (rates.forget, rates.tell, rates.finish):
+        for f in (rates.forget, rates.finish):
             add(f.__name__, 0, f, steps)
         planning = code.procedure("plan_next", plan_next, self.plan)
         (library,) = libraries(self.comm, [code.text], announce)
         code.load(library)
-        self._reduction = Reduction(self.comm, steps.told)
         for exchange in (self._rows, self._halos, self._reduction):
             exchange.load(library)
         self._take_calls(library, planning)
 
     def phase(self, name: str, n: int, f: Array | None = None) -> list[Any]:
-        does, found = self._does, list[Any]()
+        does, found, of_rates = self._does, list[Any](), list[Any]()
         if name == "fulfil" and n > 0:  # the solution fulfils the conditions
             found = [self._rows, *does["couple"], *does["close"], self._halos]
         elif name in ("rates", "advance"):
-            begin = does["begin"][n if name == "advance" else rates.RATES_ALONE]
             # a stage fulfils the conditions but for the ghost point, the completed solution all
-            found = [begin, *(does["fill"] if n > 0 else ()), *does["rates"]]
+            found = does["fill"] if n > 0 else []
+            stage = n if name == "advance" else rates.RATES_ALONE
+            of_rates = [(one, (self._stages[stage:],)) for one in does["rates"]]
         elif name == "complete":
-            tell = [*does["tell"], self._reduction] if self.comm.size > 1 else []
+            tell = [self._reduction] if self.comm.size > 1 else []
             found = [*does["forget"], *does[name], *does["note"], *tell, *does["finish"]]
         elif name == "stretch":
             found = does[name]
-        return [(one, ()) for one in found if not getattr(one, "empty", False)]
+        calls = [(one, ()) for one in found if not getattr(one, "empty", False)]
+        return [*calls, *of_rates]
 
     # what is known of it
 
@@ -154,13 +156,13 @@ class PaperState(State):
 
     def used_up(self) -> str:
         """Which gas has no points left, or too few, and where it is."""
-        exhausted, too_short = self.results[[EXHAUSTED, TOO_SHORT]].tolist()
-        layer = self.layers[int(exhausted or too_short) - 1]
-        m, x, end = self.problem.unit("m"), self._frames()[-1, layer.number], layer.ends[layer.side]
-        needs = f"become too short (the {self.op.name} operator needs {layer.least} points)"
-        what = "used up its points" if exhausted else needs
-        where = f"its interface at x = {x:.6g}{m} and its boundary at x = {end.x:.6g}{m}"
-        return f"fluid {layer.layer} has {what}, with {where}"
+        layer, m = self.layers[int(self.results[OFF_GRID]) - 1], self.problem.unit("m")
+        x, most = self._frames()[-1, layer.number], layer.local.shape[1]
+        return (
+            f"fluid {layer.layer} has become too short or too long (the {self.op.name} operator "
+            f"needs {layer.least} points, and there are {most}), with its interface at "
+            f"x = {x:.6g}{m} and its boundary at x = {layer.end_x:.6g}{m}"
+        )
 
     def owned(self, k: int) -> Array:
         return self.layers[k].owned.T

@@ -26,17 +26,15 @@ layers, by the norm of the operator, without the strip between an embedded bound
 point. Sums over ranks may differ by round-off: nothing that is computed on depends on them.
 """
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
-
 import numpy as np
 
+from fsipetsc.equations import gas
 from fsipetsc.kernels.loops import each, named, number, pick, variable, when
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.paper.ends import beyond_boundary, distance, end_of, fill_ghost, move_boundary
 from fsipetsc.paper.stencils import STIFFNESS, add_remainder, derivatives, halo_of_rates, near_ends
 from fsipetsc.scheme.monitor import rate_of, survey
-from fsipetsc.scheme.plan import BAD, DT, RATE, SAID_STOP, STAGES, STOP, TOO_SHORT, next_stage
+from fsipetsc.scheme.plan import BAD, DT, OFF_GRID, RATE, SAID_STOP, STAGES, STOP, next_stage
 
 #: rows of scratch, and with those of rates
 SCRATCH, ROWS = 12, 16
@@ -52,22 +50,14 @@ NOTES = 8
 STRIP = np.array([[24, -22, 8, -1], [0, 36, -20, 3], [0, -18, 16, -3], [0, 4, -4, 1]]) / 24.0
 
 
-class Gas(NamedTuple):
-    """The material of a gas: laws of fsipetsc.materials; mu is 4/3 of its viscosity [Pa s]."""
-
-    law: Any
-    transport: Any
-    mu: float
-    kappa: float
-    gamma: float
-    force: float
+class Gas(gas.Gas):
+    """The equations of a gas of blocks with what this method asks for beside."""
 
     def viscosity(self, T):
         """mu' = 4/3 mu(T)."""
-        return self.mu * self.transport.viscosity(T)
+        return 4.0 / 3.0 * self.mu * self.transport.viscosity(T)
 
     def conductivity(self, T):
-        """kappa(T)."""
         return self.kappa * self.transport.conductivity(T)
 
     def velocity_and_temperature(self, rho, m, E):
@@ -86,7 +76,7 @@ def widened(span, reach):
     return named(np.maximum(A, a - reach)), named(np.minimum(B + 1, b + reach))
 
 
-def pieces(layer):
+def pieces(layer, stage):
     """Yield (w, k, span) for each piece of the points: rows of scratch, rows for the rates, and the
     span of the piece. Both rows begin shortly before its first point. Where rates are added to
     forcing or to narrow terms, k begins with the forcing, or with 0.
@@ -105,7 +95,7 @@ def pieces(layer):
                 k[c, i] = 0.0 if layer.forcing is None else layer.forcing[c, i]
         yield w, k, (a, b, A, B)
         first, last = np.maximum(begin, a - behind), np.maximum(begin, b - behind)
-        advance(layer, k, named(first), pick(b == end, end, last))
+        advance(layer, stage, k, named(first), pick(b == end, end, last))
         for c in each(layer.local.shape[0]):
             for i in each(behind):
                 rates[c, i] = rates[c, i + PIECE]
@@ -153,11 +143,11 @@ def fluxes(gas, s, unknowns, u, T, u_X, T_X):
     return rho * relative, m * relative + pressing, energy
 
 
-def gas_rates(layer):
+def gas_rates(layer, stage):
     """Find the rates of (4.20)."""
     op, gas, kind, per_h, s = layer.op, layer.material, end_of(layer), 1.0 / layer.h, layer.frame[0]
-    rho, m, e = (layer.local[c] for c in range(3))
-    for w, k, span in pieces(layer):
+    (force,), (rho, m, e) = gas.force, (layer.local[c] for c in range(3))
+    for w, k, span in pieces(layer, stage):
         u, T, u_X, T_X, f, g, h = (w[c] for c in range(7))
         (f0, f1), (v0, v1) = (widened(span, reach) for reach in (op.reach, 2 * op.reach))
         for i in each(v0, v1, vector=True):
@@ -187,7 +177,7 @@ def gas_rates(layer):
                 rates = -f_X, -g_X, -h_X
                 more = entropy_keeping(gas, rho[i], m[i], e[i], *rates, u_X[i])
                 h_X = np.where((gas.kappa == 0.0) & (near[0] == 0), h_X - more, h_X)
-            put(layer, k, i, (-f_X, gas.force * rho[i] - g_X, gas.force * m[i] - h_X))
+            put(layer, k, i, (-f_X, force * rho[i] - g_X, force * m[i] - h_X))
 
 
 def narrow_gas(layer, w, k, span):
@@ -202,11 +192,11 @@ def narrow_gas(layer, w, k, span):
         add_remainder(layer, -1.0 / (layer.h * layer.h), w[7 + term], y, scratch, rate, span)
 
 
-def elastic_rates(layer):
+def elastic_rates(layer, stage):
     """Find the rates of (4.19)."""
     op, solid, per_h = layer.op, layer.material, 1.0 / layer.h
     u, sigma, T, x = (layer.local[c] for c in range(4))
-    for w, k, span in pieces(layer):
+    for w, k, span in pieces(layer, stage):
         net, conducted, shorter = (w[c] for c in range(3))
         wider = (*widened(span, op.reach), *span[2:])
         for i, _, (T_X, x_X) in derivatives(layer, (T, x), wider, per_h):
@@ -230,29 +220,13 @@ def stretch(layer):
         layer.scratch[0, i] = x_X
 
 
-# steps: all layers on this rank share one record of them. batch: fsipetsc.scheme.plan. stage: (1,)
-# number of the stage whose rates are found, or RATES_ALONE. told: what ranks tell each other after
-# a step: results (fsipetsc.scheme.plan), bounds of all layers, notes of interfaces. sums: masses
-# of gases, energy and momentum, which are noted after these.
-
-
-def begin_stage(number: int) -> Callable[..., None]:
-    """Return the procedure before rates: it says of which stage they are, or RATES_ALONE."""
-
-    def begin(steps):
-        """Say of which stage the next rates are."""
-        steps.stage[0] = float(number)
-
-    return begin
-
-
-def advance(layer, rates, first, end):
-    """Replace the stage of some points by the next one (fsipetsc.scheme.plan.next_stage), or by
-    their rates if these alone are wanted.
+def advance(layer, now, rates, first, end):
+    """Replace the stage of some points by the next one (fsipetsc.scheme.plan.next_stage). now: (1,)
+    its number, or RATES_ALONE, where rates take its place.
     """
-    dt, now = layer.steps.batch[DT], layer.steps.stage[0]
+    dt = layer.steps.batch[DT]
     for stage in range(STAGES + 1):
-        with when(now == float(stage)):
+        with when(now[0] == float(stage)):
             for c in each(layer.local.shape[0]):
                 q, y, total = layer.local[c], layer.y[c], layer.total[c]
                 for i in each(first, end, vector=True):
@@ -269,14 +243,15 @@ def advance(layer, rates, first, end):
                         total[i] = new_total
 
 
-# after a step
+# after a step. steps: one record for all layers of this rank. batch, results: fsipetsc.scheme.plan;
+# bounds: (layers, 2) of 1/dt; notes: (NOTES, interfaces); sums: masses of gases, energy, momentum
 
 
 def forget(steps):
     """Forget what is known of the step before; notes and bounds are those of the owners."""
     steps.results[:STOP] = 0.0
-    steps.bounds[:] = -np.inf
-    steps.notes[:] = -np.inf
+    for told in (steps.bounds, steps.notes):
+        told.reshape(-1)[:] = -np.inf
     steps.sums[:] = 0.0
 
 
@@ -285,7 +260,7 @@ def complete_gas(layer):
     fill_ghost(layer)
     move_boundary(layer)
     with when(distance(layer) <= number(layer.least - 2) + 1e-9):
-        layer.steps.results[TOO_SHORT] = 1.0 + number(layer.number)
+        layer.steps.results[OFF_GRID] = 1.0 + number(layer.number)
     gas, q, h, (a, b, A, B) = layer.material, layer.local, layer.h, layer.span
 
     def see(i):
@@ -359,22 +334,13 @@ def note(layer, integrals, speed, diffusivity, good):
     steps.sums[-2] += scale * energy
     steps.sums[-1] += scale * momentum.value
     stiffness = STIFFNESS[order] if layer.narrow else STIFFNESS_OF_WIDE
-    layer.bounds[0], layer.bounds[1] = speed / h, stiffness * diffusivity / (h * h)
+    steps.bounds[layer.number] = speed / h, stiffness * diffusivity / (h * h)
     with when(~good):
         steps.results[BAD] = 1.0
-
-
-def tell(steps):
-    """Let what is no number be inf: the largest of numbers and of what is none would depend on
-    their order.
-    """
-    told = steps.told
-    for i in each(told.size):
-        told[i] = np.where(told[i] == told[i], told[i], np.inf)
 
 
 def finish(steps):
     """Find the bound on the next step, from the rates of all ranks."""
     results = steps.results
-    results[RATE] = rate_of(steps.bounds)
+    results[RATE] = rate_of(steps.bounds.reshape(-1))
     results[STOP] = results[SAID_STOP]

@@ -21,12 +21,9 @@ from fsipetsc.scheme.observables import SERIES, record
 from fsipetsc.scheme.sweep import LAST, RATES, STAGE
 
 # where what stands among the results of a completed step
-#: flags: 1 + number of a layer that has run off its grid, or that is too short
-EXHAUSTED, TOO_SHORT = 0, 1
-#: limits, after the flags; SAID_STOP is what this rank has to say of STOP
-RATE, BAD, STOP, SAID_STOP = 2, 3, 4, 5
-#: doubles of the flags and of the limits among the results
-FLAGS, LIMITS = 2, 4
+#: OFF_GRID: 1 + number of a layer that has run off its grid, or that is too short; SAID_STOP: what
+#: this rank has to say of STOP. RESULTS: how many these are
+OFF_GRID, RATE, BAD, STOP, SAID_STOP, RESULTS = range(6)
 #: steps that the journal holds; they must be written then
 CAPACITY = 4096
 
@@ -128,7 +125,7 @@ def plan_next(plan):
     allowed, t, dt, made = batch[ALLOWED], batch[NEXT], batch[DT], batch[MADE]
     target, rate = batch[TARGET], results[RATE]
     goes_on = (rate > 0.0) & (rate < 1e300) & (t < target) & (made + 1.0 < allowed)
-    for flag in (EXHAUSTED, TOO_SHORT, BAD, STOP):
+    for flag in (OFF_GRID, BAD, STOP):
         goes_on = goes_on & (results[flag] == 0.0)
     batch[ALLOWED] = 0.0
     with when(allowed != 0.0):

@@ -18,7 +18,7 @@ from fsipetsc.checks import place_text
 from fsipetsc.equations.tensors import determinant
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.scheme.observables import Drifts
-from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, TIME, TOO_SHORT, longest_step
+from fsipetsc.scheme.plan import BAD, OFF_GRID, RATE, TIME, longest_step
 from fsipetsc.state import State
 
 Array = np.ndarray
@@ -192,7 +192,7 @@ def check(state: State, opt: Mapping[str, Any], t: float, step: int) -> None:
         words = " ".join(word for word in lacks if lacks[word])
         helps = f"{HELPS}; where there are shocks {words}" if words else HELPS
         raise ComputationError("; ".join([f"{first}, {when}", *(waves.values() or [helps])]))
-    if flags[EXHAUSTED] or flags[TOO_SHORT]:
+    if flags[OFF_GRID]:
         raise ComputationError(f"at {when} {state.used_up()}")
 
 
