@@ -1,13 +1,15 @@
 """Bodies in a gas, on curved blocks: disks, shells, a nozzle, what shocks run over."""
 
+from collections.abc import Sequence
 from functools import partial
-from itertools import product
+from itertools import pairwise, product
+from typing import Any
 
 import numpy as np
 
 from fsipetsc import Block, BlockProblem, Fluid, Option
 from fsipetsc.blocks.conditions import Centre, Clamped, Free, Outflow, Slip
-from fsipetsc.blocks.maps import Places, annulus, off_axis, rectangle
+from fsipetsc.blocks.maps import Map, Places, annulus, off_axis, rectangle
 from fsipetsc.cases import case, common
 from fsipetsc.cases.common import SHOCKS, Opt, materials
 from fsipetsc.cases.riemann import GasState, shock_in_plane
@@ -15,7 +17,6 @@ from fsipetsc.cases.ring import CORE, INNER, OUTER, VESSEL
 from fsipetsc.checks import Array
 from fsipetsc.equations.elementary import tanh
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import above_one
 
 #: gas before a shock: the unit of velocity is its speed of sound
@@ -42,7 +43,7 @@ def shell(opt: Opt) -> BlockProblem:
     solid = common.elastic_of(opt, pressure, law=opt["solid_law"])
 
     def block(name, material, low, high, initial):
-        n, shape = common.cells_of(opt, high - low), rectangle(low, high)
+        (n,), shape = common.cells_of(opt, high - low), rectangle(low, high)
         return Block(name, material, off_axis(shape, n) if low == 0.0 else shape, (n,), initial)
 
     def charge(r):  # its edge is a fifth of it wide
@@ -79,6 +80,28 @@ def between(s: Array, inner: Places, outer: Places) -> Places:
     return tuple((1.0 - s) * a + s * b for a, b in zip(inner, outer))
 
 
+def disk_in_gas(
+    radius: float, half: float, outside: Sequence[Map], cells: Sequence[int], solid: Any, gas: Any
+) -> tuple[Block, ...]:
+    """Blocks of a disk, and of gas around its quarters; axis 0 of all but the one in the middle
+    goes outwards, axis 1 around.
+
+    outside: maps of the gas. cells: around a quarter, in the disk, in the gas. solid, gas:
+    material, initial data, and more that a block may have.
+    """
+    around, within, beyond = cells
+
+    def block(name: str, map: Map, across: int, of: Any) -> Block:
+        material, start, *more = of
+        return Block(name, material, map, (across, around), start, *more)
+
+    blocks = [block("middle", partial(centre, half), around, solid)]
+    for q, name in enumerate(("right", "top", "left", "bottom")):
+        blocks.append(block(f"disk {name}", partial(quarter, q, radius, half), within, solid))
+        blocks.append(block(f"gas {name}", outside[q], beyond, gas))
+    return tuple(blocks)
+
+
 @case(
     {"fsi_h": 0.05, "ts_max_time": 1.25, "fsi_output_dt": 0.025},
     Option("disk_spin", float, 0.8, "1/s", "angular velocity of the disk at the start"),
@@ -101,16 +124,13 @@ def disk(opt: Opt) -> BlockProblem:
         spin = opt["disk_spin"] * np.abs(1.0 - X * X - Y * Y) ** opt["disk_power"]
         return -spin * Y, spin * X, 1.0 + 0.0 * X, X, Y
 
-    around, across = common.cells_of(opt, 2.0 * half), common.cells_of(opt, radius - half)
-    outside, still = common.cells_of(opt, vessel - radius), common.constant(1.0, 0.0, 0.0, 1.0)
-    blocks = [Block("middle", solid, partial(centre, half), (around, around), spinning)]
-    for q, name in enumerate(("right", "top", "left", "bottom")):
-        ring = annulus(radius, vessel, (np.pi / 4 * (2.0 * q - 1.0), np.pi / 4 * (2.0 * q + 1.0)))
-        shape = partial(quarter, q, radius, half), (across, around)
-        blocks.append(Block(f"disk {name}", solid, *shape, spinning))
-        blocks.append(Block(f"gas {name}", gas, ring, (outside, around), still))
+    ends = [np.pi / 4 * (2.0 * q - 1.0) for q in range(5)]
+    rings = [annulus(radius, vessel, pair) for pair in pairwise(ends)]
+    cells = common.cells_of(opt, 2.0 * half, radius - half, vessel - radius)
+    still = gas, common.constant(1.0, 0.0, 0.0, 1.0)
+    blocks = disk_in_gas(radius, half, rings, cells, (solid, spinning), still)
     faces = {(block.name, 0, 1): common.wall_for(gas) for block in blocks if block.kind == "fluid"}
-    return BlockProblem(tuple(blocks), faces, units="none")
+    return BlockProblem(blocks, faces, units="none")
 
 
 @case(
@@ -121,7 +141,7 @@ def disk(opt: Opt) -> BlockProblem:
 def cylinder(opt: Opt) -> BlockProblem:
     """A shock runs over an elastic cylinder in a channel, which flies away.
 
-    The cylinder is at the origin. Axis 0 of all blocks but the core goes outwards, axis 1 around.
+    The cylinder is at the origin.
     """
     gas, radius, core = common.gas_of(opt, R=AHEAD.p / AHEAD.rho), 0.5, 0.22
     solid = common.elastic_of(opt, AHEAD.p, law="neo-hookean")
@@ -136,23 +156,13 @@ def cylinder(opt: Opt) -> BlockProblem:
         ends = zip(corners[q], corners[(q + 1) % 4])
         return between(xi[0], circle, tuple((1 - xi[1]) * a + xi[1] * b for a, b in ends))
 
-    lengths = np.pi / 2 * radius, radius - core, 1.25
-    around, within, outside = (common.cells_of(opt, length) for length in lengths)
+    cells = common.cells_of(opt, np.pi / 2 * radius, radius - core, 1.25)
+    maps = [partial(in_gas, q) for q in range(4)]
+    content = (solid, common.at_rest()), (gas, flow)
+    blocks = disk_in_gas(radius, core, maps, cells, *content)
     sides = Outflow(AHEAD.p), Slip(name="ceiling"), inflow, Slip(name="floor")
-    rest = common.at_rest()
-    blocks = [Block("core", solid, partial(centre, core), (around, around), rest)]
-    for q in range(4):
-        map = partial(quarter, q, radius, core)
-        blocks.append(Block(f"solid {q + 1}", solid, map, (within, around), rest))
-        blocks.append(Block(f"gas {q + 1}", gas, partial(in_gas, q), (outside, around), flow))
-    faces = {(f"gas {q}", 0, 1): side for q, side in enumerate(sides, 1)}
-    return BlockProblem(tuple(blocks), faces, units="none")
-
-
-def _cells(opt: Opt, *lengths: float) -> list[int]:
-    """Cells of the size of -fsi_h along each length, and at least as many as the operators need."""
-    least = OPERATORS[opt["fsi_order"]].min_points - 1
-    return [max(round(length / opt["fsi_h"]), least) for length in lengths]
+    faces = {(block.name, 0, 1): side for block, side in zip(blocks[2::2], sides, strict=True)}
+    return BlockProblem(blocks, faces, units="none")
 
 
 @case(
@@ -171,7 +181,7 @@ def nozzle(opt: Opt) -> BlockProblem:
     flow, inflow = shock_in_plane(gas, AHEAD, opt["nozzle_mach"], 0.2)
     length, wide, throat, thickness, vessel = 3.0, 0.5, 0.3, 0.12, 1.2
     widths = length, wide, thickness, vessel - wide - thickness
-    along, inside, across, around = _cells(opt, *widths)
+    along, inside, across, around = common.cells_of(opt, *widths)
 
     def radius(z):
         return wide - (wide - throat) * np.sin(np.pi * z / length) ** 4
@@ -219,8 +229,8 @@ def fin(opt: Opt) -> BlockProblem:
     steel = ElasticSolid(mu_e, lambda_e, 0.0, density, alpha, ahead.p, **laws)
     rest = common.at_rest(ahead.p / (air.R * ahead.rho))
     x, y = np.cumsum([0.0, 0.05, opt["fin_thickness"], 0.25]), (0.0, length, height)
-    columns, rows = (_cells(opt, *np.diff(at)) for at in (x, y))
-    columns[1] = _cells(opt, 0.0)[0]
+    columns, rows = (common.cells_of(opt, *np.diff(at)) for at in (x, y))
+    columns[1] = common.cells_of(opt, 0.0)[0]
     blocks, faces = [], {}
     for j, i in product(range(2), range(3)):
         panel = (i, j) == (1, 0)

@@ -8,6 +8,7 @@ from fsipetsc.blocks.conditions import NoSlip, Slip
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.checks import Array
 from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import above_one
 
 #: the options in force
@@ -87,9 +88,10 @@ def wall_for(gas: Fluid) -> NoSlip | Slip:
     return NoSlip() if gas.mu > 0.0 else Slip()
 
 
-def cells_of(opt: Opt, length: float) -> int:
-    """Cells of the size of -fsi_h, at least as many as the operators want."""
-    return max(2 * opt["fsi_order"], round(length / opt["fsi_h"]))
+def cells_of(opt: Opt, *lengths: float) -> list[int]:
+    """Cells of the size of -fsi_h along each length, and at least as many as the operators need."""
+    least = OPERATORS[opt["fsi_order"]].min_points - 1
+    return [max(round(length / opt["fsi_h"]), least) for length in lengths]
 
 
 def stack(opt: Opt, *members: Layer, units: str = "none", **more: Any) -> BlockProblem:

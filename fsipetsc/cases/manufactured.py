@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc import Block, BlockProblem, Option
+from fsipetsc import BlockProblem, Option
 from fsipetsc.blocks.conditions import Given, NoSlip
 from fsipetsc.blocks.layers import Layer
 from fsipetsc.blocks.maps import Places
 from fsipetsc.cases import case
-from fsipetsc.cases.bodies import centre, quarter
+from fsipetsc.cases.bodies import disk_in_gas
 from fsipetsc.cases.common import Opt, gas_of, materials, stack
 from fsipetsc.checks import Array, Fields
 from fsipetsc.equations import elementary, tensors
@@ -293,18 +293,15 @@ def body_mms(opt: Opt) -> BlockProblem:
     walls, which move, too. -fsi_h is over the side of each block.
     """
     exact = Disk(opt)
-    n, blocks, faces = round(1.0 / opt["fsi_h"]), [], {}
+    n = round(1.0 / opt["fsi_h"])
     walls = {"x": lambda *at: exact.grid(*at)[:2], "velocity": lambda *at: exact.grid(*at)[2:]}
-    of_gas = Given(exact.exact_gas, **walls)
 
-    def add_block(name, map, material, of, forcing):
-        blocks.append(Block(name, material, map, (n, n), lambda *X: of(*X, 0.0), forcing, of))
+    def content(material, of, forcing):
+        return material, lambda *X: of(*X, 0.0), forcing, of
 
-    gas = exact.fluid, exact.exact_gas, exact.force_gas
-    solid = exact.body, exact.exact_solid, exact.force_solid
-    add_block("middle", partial(centre, HALF), *solid)
-    for q in range(4):
-        add_block(f"disk {q}", partial(quarter, q, 1.0, HALF), *solid)
-        add_block(f"gas {q}", partial(to_box, q), *gas)
-        faces[f"gas {q}", 0, 1] = of_gas
-    return BlockProblem(tuple(blocks), faces, jumps=exact.supplied, units="none")
+    solid = content(exact.body, exact.exact_solid, exact.force_solid)
+    gas = content(exact.fluid, exact.exact_gas, exact.force_gas)
+    maps = [partial(to_box, q) for q in range(4)]
+    blocks = disk_in_gas(1.0, HALF, maps, (n, n, n), solid, gas)
+    faces = {(block.name, 0, 1): Given(exact.exact_gas, **walls) for block in blocks[2::2]}
+    return BlockProblem(blocks, faces, jumps=exact.supplied, units="none")

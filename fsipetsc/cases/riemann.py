@@ -12,8 +12,6 @@ speed over X is s, into the state 0
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -74,84 +72,67 @@ def shock_in_plane(
 HIGH, LOW = GasState(1.0, 0.0, 1.0), GasState(0.125, 0.0, 0.1)
 
 
-@dataclass(frozen=True)
-class Contact:
+def contact(gas: Fluid, solid: Solid, state: GasState) -> tuple[Any, Any, tuple[str, str]]:
     """Exact solution of a gas in 0 < X < 1, in a state of a pressure above LOW.p, and a solid in 1
     < X < 2, at rest under LOW.p, which meet at t = 0. The wall on the left moves with the gas.
+
+    Returns (rho, u, T) of the gas as a function of (X, t), where X is on the grid from the wall to
+    the solid; (u, sigma, T, x) of the solid; notes for the result. InputError if no shock goes into
+    the solid.
     """
+    from scipy.optimize import brentq
 
-    gas: Fluid
-    solid: Solid
-    state: GasState
+    (rho0, u0, p0), c0, g = state, sound(gas, state), gas.gamma
 
-    def behind(self, p: float) -> GasState:
-        """Return the gas behind its wave, where the pressure is p [Pa]."""
-        (rho, u, p0), g = self.state, self.gas.gamma
+    def behind(p: float) -> GasState:
+        """The gas behind its wave, where the pressure is p [Pa]."""
         if p > p0:
             dense = ((g + 1) * p / p0 + g - 1) / ((g - 1) * p / p0 + g + 1)
-            change = (p - p0) * np.sqrt(2 / rho / ((g + 1) * p + (g - 1) * p0))
+            change = (p - p0) * np.sqrt(2 / rho0 / ((g + 1) * p + (g - 1) * p0))
         else:
-            c0, dense = sound(self.gas, self.state), (p / p0) ** (1 / g)
+            dense = (p / p0) ** (1 / g)
             change = 2 * c0 / (g - 1) * ((p / p0) ** ((g - 1) / (2 * g)) - 1)
-        return GasState(rho * dense, u - change, p)
+        return GasState(rho0 * dense, u0 - change, p)
 
-    def shock(self, p: float) -> tuple[float, float, float, float]:
+    def shock(p: float) -> tuple[float, float, float, float]:
         """(u, T, F) of the solid behind its shock, and the speed of this over X."""
-        sigma, m0 = LOW.p - p, self.solid.m0  # beyond that before the shock
-        change = np.expm1(sigma / self.solid.K)
+        sigma, m0 = LOW.p - p, solid.m0  # beyond that before the shock
+        change = np.expm1(sigma / solid.K)
         s, heat = np.sqrt(sigma / change / m0), (0.5 * sigma - LOW.p) * change
-        return -s * change, 1.0 + heat / (self.solid.alpha * m0), 1.0 + change, s
+        return -s * change, 1.0 + heat / (solid.alpha * m0), 1.0 + change, s
 
-    @cached_property
-    def p(self) -> float:
-        """The pressure at the interface [Pa], at which both sides have one velocity."""
-        from scipy.optimize import brentq
+    high = 1.0
+    apart = lambda p: float(behind(p).u - shock(p)[0])  # noqa: E731
+    if apart(LOW.p * (1.0 + 1e-9)) < 0.0:
+        raise InputError(f"no shock goes into the solid: the gas has {state}")
+    while apart(high) > 0.0:
+        high *= 2.0
+    p = float(brentq(apart, 1e-12 * high, high, xtol=1e-300, rtol=1e-15))
+    (u, T_s, F, s), near = shock(p), behind(p)
+    front, back = u0 - c0, near.u - sound(gas, near)  # of a fan; a shock has one speed
+    if p > p0:
+        front = back = (near.rho * near.u - rho0 * u0) / (near.rho - rho0)
 
-        high = 1.0
-        apart = lambda p: float(self.behind(p).u - self.shock(p)[0])  # noqa: E731
-        if apart(LOW.p * (1.0 + 1e-9)) < 0.0:
-            raise InputError(f"no shock goes into the solid: the gas has {self.state}")
-        while apart(high) > 0.0:
-            high *= 2.0
-        return float(brentq(apart, 1e-12 * high, high, xtol=1e-300, rtol=1e-15))
-
-    @cached_property
-    def speeds(self) -> tuple[float, float]:
-        """Speeds [m/s] of the front and of the back of the wave in the gas; a shock has one."""
-        (rho, u, p0), behind = self.state, self.behind(self.p)
-        if self.p <= p0:
-            return u - sound(self.gas, self.state), behind.u - sound(self.gas, behind)
-        s = (behind.rho * behind.u - rho * u) / (behind.rho - rho)
-        return s, s
-
-    def in_gas(self, X: Array, t: float = 0.0) -> Fields:
-        """(rho, u, T) at the points of the grid, which goes from the wall to the solid."""
-        (rho, u, p), g, behind = self.state, self.gas.gamma, self.behind(self.p)
+    def in_gas(X: Array, t: float = 0.0) -> Fields:
         if t <= 0:
-            return [value + 0.0 * X for value in (rho, u, p / (self.gas.R * rho))]
-        c0, wall = sound(self.gas, self.state), u * t
-        speed = (wall + X * (1.0 + behind.u * t - wall) - 1.0) / t
-        c = np.clip((2 * c0 + (g - 1) * (u - speed)) / (g + 1), 0.0, None)
-        fan = rho * (c / c0) ** (2 / (g - 1)), speed + c, p * (c / c0) ** (2 * g / (g - 1))
-        where = [speed < of for of in self.speeds]
-        states = zip(self.state, fan, behind, strict=True)
-        rho, u, p = (np.select(where, [a, b], d) for a, b, d in states)
-        return [rho, u, p / (self.gas.R * rho)]
+            return [value + 0.0 * X for value in (rho0, u0, p0 / (gas.R * rho0))]
+        wall = u0 * t
+        speed = (wall + X * (1.0 + near.u * t - wall) - 1.0) / t
+        c = np.clip((2 * c0 + (g - 1) * (u0 - speed)) / (g + 1), 0.0, None)
+        fan = rho0 * (c / c0) ** (2 / (g - 1)), speed + c, p0 * (c / c0) ** (2 * g / (g - 1))
+        states = zip(state, fan, near, strict=True)
+        rho, v, q = (np.select([speed < front, speed < back], [a, b], d) for a, b, d in states)
+        return [rho, v, q / (gas.R * rho)]
 
-    def in_solid(self, X: Array, t: float = 0.0) -> Fields:
-        """Return (u, sigma, T, x) at the material points."""
-        u, T, F, s = self.shock(self.p)
+    def in_solid(X: Array, t: float = 0.0) -> Fields:
         passed = X - 1.0 < s * t
         moved = np.where(passed, u * t + F * (X - 1.0), X - 1.0)  # all depends on X/t
-        pairs = (u, 0.0), (-self.p, -LOW.p), (T, 1.0)
+        pairs = (u, 0.0), (-p, -LOW.p), (T_s, 1.0)
         return [*(np.where(passed, a, b) for a, b in pairs), 1.0 + moved]
 
-    def notes(self) -> tuple[str, str]:
-        """What a result says of the solution, which ends when a wave comes to an end."""
-        u, _, F, s = self.shock(self.p)
-        end = min(1.0 / s, 1.0 / (self.state.u - self.speeds[0]))
-        exact = f"the exact solution has no viscosity and conduction, and holds until t = {end:.6g}"
-        return f"interface: p = {self.p:.10g}, u = {u:.10g}, x_X = {F:.10g}", exact
+    end = min(1.0 / s, 1.0 / (u0 - front))  # a wave comes to an end
+    exact = f"the exact solution has no viscosity and conduction, and holds until t = {end:.6g}"
+    return in_gas, in_solid, (f"interface: p = {p:.10g}, u = {u:.10g}, x_X = {F:.10g}", exact)
 
 
 @case(
@@ -179,10 +160,10 @@ def shock(opt: Opt) -> Problem:
         right = free(-LOW.p)
     else:
         state, left, right = HIGH._replace(p=opt["shock_ratio"] * LOW.p), Wall(0.0), clamped()
-    exact = Contact(gas, solid, state)
-    first = FluidLayer("gas", gas, (0.0, 1.0), exact.in_gas, exact=exact.in_gas)
-    layers = first, SolidLayer("rod", solid, (1.0, 2.0), exact.in_solid, exact=exact.in_solid)
-    return Problem(layers, left, right, notes=exact.notes(), units="none")
+    in_gas, in_solid, notes = contact(gas, solid, state)
+    first = FluidLayer("gas", gas, (0.0, 1.0), in_gas, exact=in_gas)
+    layers = first, SolidLayer("rod", solid, (1.0, 2.0), in_solid, exact=in_solid)
+    return Problem(layers, left, right, notes=notes, units="none")
 
 
 @case(
@@ -195,21 +176,21 @@ def tube(opt: Opt) -> BlockProblem:
     Where nothing varies along X the law `log` is that of the rod.
     """
     gas, rod = gas_of(opt), Solid(opt["solid_modulus"], 0.0, opt["solid_density"], 1.0)
-    solution = Contact(gas, rod, HIGH)
+    across_gas, across_solid, notes = contact(gas, rod, HIGH)
     layer = ElasticSolid(rod.K / 4, rod.K / 2, 0.0, rod.m0, 1.0, p_ref=LOW.p)
 
     def in_gas(X, Y, t=0.0):
-        rho, v, T = solution.in_gas(Y, t)
+        rho, v, T = across_gas(Y, t)
         return rho, 0.0 * v, v, T
 
     def in_solid(X, Y, t=0.0):
-        v, _, T, y = solution.in_solid(Y, t)
+        v, _, T, y = across_solid(Y, t)
         return 0.0 * v, v, T, X, y
 
     below = Layer("gas", gas, (0.0, 1.0), in_gas, exact=in_gas)
     above = Layer("layer", layer, (1.0, 2.0), in_solid, exact=in_solid)
     ends = {"lower": Slip(), "upper": Clamped(), "along": ((0.0, 0.25),)}
-    return stack(opt, below, above, notes=solution.notes(), **ends)
+    return stack(opt, below, above, notes=notes, **ends)
 
 
 @case(
