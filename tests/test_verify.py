@@ -36,7 +36,7 @@ def test_orders_and_verdicts():
 
 #: reference -> program and its function
 PROGRAMS = {
-    **{name: (name, "columns") for name in ("riemann_problems", "superseismic", "heat", "oblique")},
+    **{name: (name, "columns") for name in ("riemann_problems", "superseismic", "oblique")},
     "large_deformation": ("large_deformation", "columns"),
     "normal_modes": ("modes", "columns"),
     "beam": ("beams", "columns"),

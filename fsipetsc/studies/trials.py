@@ -1,7 +1,7 @@
 """Cases and entries on grids: errors, observed orders, verdicts, pictures."""
 
 import csv
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from importlib.resources import files
@@ -13,7 +13,6 @@ from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
 from fsipetsc.cases import case_of, load_case
 from fsipetsc.checks import Array
@@ -228,18 +227,3 @@ def reference(name: str) -> dict[str, Array]:
     text = (files("fsipetsc.studies.verify") / "references" / f"{name}.csv").read_text("utf-8")
     table = csv.reader(line for line in text.splitlines() if not line.startswith("#"))
     return {head: np.array([float(v) for v in column]) for head, *column in zip(*table)}
-
-
-def joined(frames: Iterable[Mapping[str, Array]]) -> dict[str, Array]:
-    """Return the fields of several blocks as one array each."""
-    parts = list(frames)
-    return {name: np.concatenate([part[name].ravel() for part in parts]) for name in parts[0]}
-
-
-def round_off(steps: float) -> float:
-    """The largest relative error of a number that is rounded once in each of so many steps."""
-    return steps * 2.0**-52
-
-
-#: a reference between its points: the spline of fifth degree
-smooth = partial(make_interp_spline, k=5)
