@@ -37,8 +37,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from fsipetsc.checks import Array
 from fsipetsc.equations.vectors import choose
-from fsipetsc.kernels.arrays import Array
 from fsipetsc.kernels.loops import each, stop, variable
 from fsipetsc.operators.sbp import row_length
 from fsipetsc.paper.layers import Layer

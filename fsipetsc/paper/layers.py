@@ -15,8 +15,9 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.boundaries import Wall
+from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.arrays import Array, zeros
+from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.loops import named
 from fsipetsc.operators.sbp import SBPOperator, row_length
 from fsipetsc.paper.ends import OF_GAS, degree_of

@@ -21,9 +21,9 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.checks import names_of
+from fsipetsc.checks import Array, names_of
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.arrays import Array, zeros
+from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import ends, rates

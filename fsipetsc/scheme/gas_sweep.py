@@ -23,10 +23,11 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc.checks import Array
 from fsipetsc.equations.gas import NEAR
 from fsipetsc.equations.tensors import outer
 from fsipetsc.equations.vectors import add, along, mean, scale, sub
-from fsipetsc.kernels.arrays import Array, aligned
+from fsipetsc.kernels.arrays import aligned
 from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel, floats_of
 from fsipetsc.kernels.loops import each, named, pick, when
 from fsipetsc.operators.bands import Band, Patch

@@ -24,9 +24,10 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc.checks import Array
 from fsipetsc.equations.tensors import add_unit, apply, column_sums, product, transpose
 from fsipetsc.equations.vectors import add, along, dot, scale, sub, total
-from fsipetsc.kernels.arrays import Array, aligned
+from fsipetsc.kernels.arrays import aligned
 from fsipetsc.kernels.kernel import OWNED, PLANES, ROWS, SHARED, Kernel, floats_of
 from fsipetsc.kernels.loops import each, named, otherwise, pick, when
 from fsipetsc.operators.bands import Patch
