@@ -22,7 +22,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.kernels import build
 from fsipetsc.kernels.kernel import PLANES, Kernel, floats_of, unit
 from fsipetsc.kernels.loops import each, number, otherwise, pick, stop, variable, when, whole
-from fsipetsc.kernels.symbols import MADE, Record, Replay, derivatives, exact
+from fsipetsc.kernels.symbols import MADE, Record, derivatives, exact, replay
 from fsipetsc.materials.stiffened_gas import PerfectGas
 from fsipetsc.materials.sutherland import ConstantTransport
 from fsipetsc.scheme.gas_sweep import gas_kernels
@@ -100,7 +100,7 @@ def test_derivatives_are_those_of_the_formula():
         (found,) = derivatives([every_operation(*x)], x[k])
         h = 1e-6 * (np.arange(3) == k)
         slope = (every_operation(*(at + h)) - every_operation(*(at - h))) / 2e-6
-        (value,) = Replay([found])(dict(zip(x, at)))
+        (value,) = replay([found])(dict(zip(x, at)))
         assert value == pytest.approx(slope, rel=1e-8), k
 
 
@@ -357,16 +357,12 @@ def test_a_procedure_that_cannot_be_recorded_is_refused_with_its_line():
         if part.first > 0:
             y[0] = 1.0
 
-    def counts(part, y):
-        for _ in range(part.first):
-            y[0] = 1.0
-
     def beyond(part, y):
         y[1:3] = 1.0, 2.0, 3.0
 
     def many(part, y):
         y.reshape(-1, 2)
 
-    for function in (branches, counts, beyond, many):
+    for function in (branches, beyond, many):
         with pytest.raises(InputError, match=rf"{function.__name__}, .*test_kernels.py:\d+"):
             recorded(function, PART)

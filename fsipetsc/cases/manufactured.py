@@ -20,7 +20,7 @@ from fsipetsc.cases.common import Opt, gas_of, materials, stack
 from fsipetsc.checks import Array, Fields
 from fsipetsc.equations import elementary, tensors
 from fsipetsc.equations.vectors import add, along, dot, scale, sub
-from fsipetsc.kernels.symbols import Record, Replay, derivatives
+from fsipetsc.kernels.symbols import Record, derivatives, replay
 from fsipetsc.materials.solid import ElasticSolid
 
 Numbers = Sequence[Any]
@@ -33,10 +33,10 @@ def recorded(count: int, formula: Callable[..., Numbers]) -> Callable[..., list[
     """A function of so many arrays of one shape, and of numbers, by a formula that runs once."""
     record = Record()
     given = [record.given(f"x{k}") for k in range(count)]
-    replay = Replay([record.constant(number) for number in formula(*given)])
+    values_of = replay([record.constant(number) for number in formula(*given)])
 
     def called(*where: Any) -> list[Any]:
-        found = replay(dict(zip(given, where, strict=True)), SAME_BITS)
+        found = values_of(dict(zip(given, where, strict=True)), **SAME_BITS)
         return [value + 0.0 * where[0] for value in found]
 
     return called

@@ -26,7 +26,7 @@ from fsipetsc.kernels.printing import Line, printed, without_halves
 from fsipetsc.kernels.symbols import Record, Symbol
 
 # layouts: where component c of an item i stands in an array, as C has it; the caller gives the
-# numbers in them, but for ROW, which is a constant
+# numbers in them, and arrays of whole numbers, but for ROW, which is a constant
 #: rows of a tile: a component after the other, ROW apart
 ROWS = "{c} * ROW + {i}"
 #: planes of a block, N apart, and of the nodes that a rank owns, M apart
@@ -45,21 +45,11 @@ class Kernel:
         self._arguments = {"n": "long "}
         self._stores: list[tuple[str, Symbol]] = []
         self.counted: Symbol | None = None
-        self._distances: dict[str, str] = {}
 
-    def read(
-        self, array: str, layout: str, count: int, first: int = 0, far: tuple[str, int] = ("", 0)
-    ) -> tuple[Symbol, ...]:
-        """The components ``first`` and so on of an item, or of one that is far from it: an array of
-        whole numbers says how far, which one.
-        """
+    def read(self, array: str, layout: str, count: int, first: int = 0) -> tuple[Symbol, ...]:
+        """The components ``first`` and so on of an item."""
         self._arguments.setdefault(array, "const double *restrict ")
-        item, (distances, number) = "i", far
-        if distances:
-            self._arguments[distances] = "const long *restrict "
-            self._distances[f"{distances}_{number}"] = f"{distances}[{number}]"
-            item = f"(i + {distances}_{number})"
-        places = self._places(array, layout, count, first, item)
+        places = self._places(array, layout, count, first)
         return tuple(self.record.given(place, uniform=layout == SHARED) for place in places)
 
     def number(self, name: str) -> Symbol:
@@ -77,26 +67,20 @@ class Kernel:
     def store(self, array: str, layout: str, values: Sequence[Any], first: int = 0) -> None:
         """Store values as the components ``first`` and so on of an item."""
         self._arguments[array] = "double *restrict "
-        places = self._places(array, layout, len(values), first, "i")
-        stored = map(self.record.constant, values)
-        self._stores += [(f"{place} =", one) for place, one in zip(places, stored)]
-
-    def add(self, array: str, layout: str, values: Sequence[Any], first: int = 0) -> None:
-        """Add values to the components ``first`` and so on of an item."""
-        before = self.read(array, layout, len(values), first)
-        self.store(array, layout, [a + b for a, b in zip(before, values, strict=True)], first)
+        places = self._places(array, layout, len(values), first)
+        self._stores += [(f"{p} =", self.record.constant(v)) for p, v in zip(places, values)]
 
     def count(self, condition: Any) -> None:
         """Let the function return for how many items a condition holds."""
         self.counted = self.record.constant(condition)
         self._stores.append(("counted +=", self.counted))
 
-    def _places(self, array: str, layout: str, count: int, first: int, i: str) -> list[str]:
-        for step in re.findall(r"\* ([A-Za-z]\w*)", layout):
-            if step != "ROW":
-                self._arguments[step] = "long "
+    def _places(self, array: str, layout: str, count: int, first: int) -> list[str]:
+        for name, bracket in re.findall(r"\b([A-Za-z]\w*)(\[?)", layout.replace("{i}", "")):
+            if name not in ("c", "ROW"):
+                self._arguments[name] = "const long *restrict " if bracket else "long "
         every = range(first, first + count)
-        return [f"{array}[{layout.format(c=c, i=i)}]" for c in every]
+        return [f"{array}[{layout.format(c=c, i='i')}]" for c in every]
 
     def __call__(self, n: Any, **given: Any) -> Index | None:
         """Let a procedure run the kernel over n items. An array is given from its first item on.
@@ -127,7 +111,6 @@ class Kernel:
                 f"/* {self.says} */",
                 f"static NOINLINE {'long' if counts else 'void'} {self.name}(",
                 "    " + ",\n    ".join(given) + ") {",
-                *(f"  const long {name} = {text};" for name, text in self._distances.items()),
                 *["  long counted = 0;"] * counts,
                 *printed(record, items),
                 *["  return counted;"] * counts,

@@ -9,14 +9,13 @@ dataclasses, which hold facts: their numbers become constants of the text.
 """
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from functools import reduce
 from itertools import accumulate, zip_longest
 from numbers import Integral
 from typing import Any
 
 import numpy as np
-from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from fsipetsc.kernels.printing import Line
 from fsipetsc.kernels.symbols import Record, Symbol, refuse
@@ -63,16 +62,10 @@ class Index:
     __lt__, __le__, __gt__, __ge__ = map(_compared, ("<", "<=", ">", ">="))
 
     def __array_ufunc__(self, function: Any, method: str, *given: Any, **more: Any) -> Any:
-        forms = {np.minimum: "least({}, {})", np.maximum: "most({}, {})"}
-        if function in forms:
-            return _made(forms[function], *given)
-        raise refuse(f"np.{function.__name__} of a whole number cannot be recorded")
+        return _made({np.minimum: "least({}, {})", np.maximum: "most({}, {})"}[function], *given)
 
     def __bool__(self) -> bool:
         raise refuse("it branches on a number that is not known yet: write `with when(condition):`")
-
-    def __index__(self) -> int:
-        raise refuse("a number that is not known yet is no range and no length: write each(n)")
 
 
 def is_whole(value: Any, number: int | None) -> bool:
@@ -82,7 +75,7 @@ def is_whole(value: Any, number: int | None) -> bool:
 
 def index_of(value: Any) -> Index:
     """Return a whole number, or where an array begins, as C has it."""
-    value = value.pointer() if hasattr(value, "pointer") else value
+    value = value.pointer() if isinstance(value, Array) else value
     if isinstance(value, Index):
         return value
     if isinstance(value, bool) or not isinstance(value, Integral):
@@ -105,6 +98,13 @@ class Recording(Record):
         super().__init__()
         self.items, self._within = list[Symbol | Line](), [list[Any]()]
         self.stores, self.count = 0, 0
+
+    def __enter__(self) -> "Recording":
+        _recordings.append(self)
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        _recordings.pop()
 
     def _keep(self, key: Any, made: Symbol) -> None:
         super()._keep(key, made)
@@ -142,11 +142,12 @@ class Recording(Record):
         self.line(f"const long {name} = {form};", *values)
         return Index(name)
 
-    def open(self, head: str, *values: Any) -> None:
+    @contextmanager
+    def block(self, head: str, *values: Any) -> Iterator[None]:
+        """What is recorded within stands between braces, and is known there alone."""
         self.line(f"{head} {{{{", *values)
         self._within.append([])
-
-    def close(self) -> None:
+        yield
         self.line("}}")
         self.stores += 1  # what was stored within may be read after it
         for key in self._within.pop():
@@ -156,19 +157,8 @@ class Recording(Record):
 _recordings: list[Recording] = []
 
 
-@contextmanager
-def recorded() -> Iterator[Recording]:
-    """Give a recording of all that is done within."""
-    _recordings.append(record := Recording())
-    try:
-        yield record
-    finally:
-        _recordings.pop()
-
-
 def recording() -> Recording:
-    if not _recordings:
-        raise refuse("each, when, stop and variable are for procedures that are recorded")
+    """The recording of the procedure that runs."""
     return _recordings[-1]
 
 
@@ -186,28 +176,18 @@ def each(*ends: Any, vector: bool = False) -> Iterator[Index]:
     if vector:
         record.line("#pragma omp simd")
     record.stores += 1  # what is read in the first pass may be stored before the next one
-    record.open(f"for (long {i} = {first}; {i} < {last}; ++{i})")
-    yield Index(i)
-    record.close()
+    with record.block(f"for (long {i} = {first}; {i} < {last}; ++{i})"):
+        yield Index(i)
 
 
-@contextmanager
-def when(condition: Any) -> Iterator[None]:
+def when(condition: Any) -> AbstractContextManager[None]:
     """C does what is recorded within if a condition holds."""
-    record = recording()
-    if isinstance(condition, (bool, np.bool_)):
-        raise refuse("the condition is known when it is recorded: write `if`")
-    record.open("if ({})", condition)
-    yield
-    record.close()
+    return recording().block("if ({})", condition)
 
 
-@contextmanager
-def otherwise() -> Iterator[None]:
+def otherwise() -> AbstractContextManager[None]:
     """C does what is recorded within if the condition of the `when` just before does not hold."""
-    recording().open("else")
-    yield
-    recording().close()
+    return recording().block("else")
 
 
 def stop(condition: Any) -> None:
@@ -261,7 +241,7 @@ class variable:
         self._record.store(self._name, number)
 
 
-class Array(NDArrayOperatorsMixin):
+class Array:
     """The stand-in of an array, or of a part of one. shape: (None,) of one whose size is not known.
     at: terms of the number at which it begins. steps: how far its numbers are apart along each
     axis, if not as in a whole array.
@@ -339,9 +319,6 @@ class Array(NDArrayOperatorsMixin):
         else:
             value = index_of(value) if self.dtype.kind == "i" else value
             recording().store(f"{self._base}[{part._first()}]", value)
-
-    def __array_ufunc__(self, function: Any, method: str, *given: Any, **more: Any) -> Any:
-        raise refuse("an operation on a whole array: write a loop, `for i in each(n):`")
 
 
 def invoke(name: str, address: Any, *arrays: Array) -> None:

@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.kernels.kernel import unit
-from fsipetsc.kernels.loops import KINDS, Array, Index, Recording, recorded
+from fsipetsc.kernels.loops import KINDS, Array, Index, Recording
 from fsipetsc.kernels.printing import printed
 
 _POINTER, _ZERO = ctypes.c_void_p, np.zeros(1)
@@ -64,7 +64,7 @@ class Procedure(Called):
         self.name, self._values = name, dict[str, Any]()
         parameters = list(inspect.signature(function).parameters)
         names, self.vectors = parameters[: len(records)], parameters[len(records) :]
-        with recorded() as record:
+        with Recording() as record:
             pairs = zip(names, records, strict=True)
             given = [self._stand_in(name, value, record) for name, value in pairs]
             function(*given, *(Array(v, np.dtype(float), (None,)) for v in self.vectors))

@@ -18,6 +18,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import reduce
 from math import isnan
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -72,17 +73,16 @@ def refuse(what: str) -> NotRecorded:
 
 def numbers_of(values: Any, count: int = 0) -> Any:
     """What a function returns as formulas take it: a number, or so many in a tuple. NotRecorded."""
+    several, kind = isinstance(values, (tuple, list, np.ndarray)), type(values).__name__
+    if count and several and len(values) == count:
+        return tuple(map(numbers_of, values))
     if count:
-        several = isinstance(values, (tuple, list, np.ndarray))
-        if several and len(values) == count:
-            return tuple(map(numbers_of, values))
-        found = type(values).__name__ + (f" of {len(values)}" if several else "")
+        found = kind + (f" of {len(values)}" if several else "")
         raise NotRecorded(f"it returns a {found}: expected {counted(count, 'number')} in a tuple")
     if isinstance(values, Symbol) and values.operation not in CONDITIONS:
         return values
-    real = isinstance(values, (int, float, np.integer, np.floating))
-    if not real or isinstance(values, bool) or isnan(values):
-        found = "condition" if isinstance(values, Symbol) else type(values).__name__
+    if not isinstance(values, Real) or isinstance(values, bool) or isnan(values):
+        found = "condition" if isinstance(values, Symbol) else kind
         raise NotRecorded(f"it returns a {found}: expected a number")
     return float(values)
 
@@ -305,48 +305,38 @@ def needed(wanted: Iterable[Symbol]) -> list[Symbol]:
     return [found[number] for number in sorted(found)]
 
 
-def uses_of(wanted: Sequence[Symbol]) -> dict[int, int]:
+def uses_of(wanted: Sequence[Symbol]) -> Counter[int]:
     """How often each symbol is an operand, of those that are needed."""
     operands = (operand for symbol in needed(wanted) for operand in symbol.operands)
     return Counter(symbol.number for symbol in (*wanted, *operands))
 
 
-class Replay:
-    """What symbols are where those that are given are known.
-
-    Args:
-        wanted: the symbols. What is made of them is ordered here, once.
+def replay(wanted: Sequence[Symbol]) -> Callable[..., list[Any]]:
+    """Return the function of what is known that gives the symbols ``wanted``. It takes a number, an
+    array, or a symbol of another record by each symbol that is given and, as keywords, what to take
+    of some operations instead of numpy's functions.
     """
+    order = needed(wanted)
+    last = {one.number: k for k, symbol in enumerate(order) for one in symbol.operands}
+    done: list[list[int]] = [[] for _ in order]  # of each operation what nothing else takes
+    for number in last.keys() - {symbol.number for symbol in wanted}:
+        done[last[number]].append(number)
 
-    def __init__(self, wanted: Sequence[Symbol]) -> None:
-        self._wanted, self._order = wanted, needed(wanted)
-        last = {one.number: i for i, symbol in enumerate(self._order) for one in symbol.operands}
-        last.update((symbol.number, len(self._order)) for symbol in wanted)
-        self._done: list[list[int]] = [[] for _ in range(len(self._order) + 1)]
-        for number, i in last.items():
-            self._done[i].append(number)
-
-    def __call__(
-        self, known: Mapping[Symbol, Any], functions: Mapping[str, Callable[..., Any]] | None = None
-    ) -> list[Any]:
-        """Numbers, arrays, or symbols of another record, by those that are known. Constants and
-        results of operations may be among these. functions: what to take of some operations, by
-        name, instead of numpy's.
-        """
-        of = {**_FUNCTIONS, **(functions or {})}
+    def found(known: Mapping[Symbol, Any], **functions: Callable[..., Any]) -> list[Any]:
+        of = {**_FUNCTIONS, **functions}
         values = {symbol.number: value for symbol, value in known.items()}
         with np.errstate(all="ignore"):
-            for symbol, done in zip(self._order, self._done):
-                if symbol.number in values:
-                    continue
-                if symbol.value is not None:
+            for symbol, numbers in zip(order, done):
+                if symbol.operands:
+                    operands = [values[operand.number] for operand in symbol.operands]
+                    values[symbol.number] = of[symbol.operation](*operands)
+                elif symbol.value is not None:
                     values[symbol.number] = symbol.value
-                    continue
-                operands = [values[operand.number] for operand in symbol.operands]
-                values[symbol.number] = of[symbol.operation](*operands)
-                for number in done:
+                for number in numbers:
                     del values[number]  # arrays of many nodes take memory
-        return [values[symbol.number] for symbol in self._wanted]
+        return [values[symbol.number] for symbol in wanted]
+
+    return found
 
 
 #: numpy's function of an operation

@@ -17,7 +17,7 @@ from fsipetsc.checks import described, number
 from fsipetsc.equations.tensors import apply
 from fsipetsc.equations.vectors import add
 from fsipetsc.errors import InputError, place_in, place_of, reason
-from fsipetsc.kernels.symbols import NotRecorded, Record, Replay, Symbol, derivatives, numbers_of
+from fsipetsc.kernels.symbols import NotRecorded, Record, Symbol, derivatives, numbers_of, replay
 from fsipetsc.materials.hyperelastic import NeoHookean
 from fsipetsc.materials.solid_pressure import ConstantPressure
 from fsipetsc.materials.stiffened_gas import PerfectGas
@@ -44,7 +44,7 @@ def along(formula, numbers, direction):
     ways = (n if isinstance(n, float) else given(n) for n in direction)
     found = formula(*(given(x) + step * way for x, way in zip(numbers, ways, strict=True)))
     several = isinstance(found, (tuple, list, np.ndarray))
-    slopes = Replay(derivatives(found if several else (found,), step))(known)
+    slopes = replay(derivatives(found if several else (found,), step))(known)
     return tuple(slopes) if several else slopes[0]
 
 

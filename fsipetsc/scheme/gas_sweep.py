@@ -379,7 +379,7 @@ def _slope(gas: Any, d: int) -> Kernel:
     )
     before, after = kernel.read("before", ROWS, 1)[0], kernel.read("after", ROWS, 1)[0]
     more = along(scale(0.5 * after, sub(above, z)), 0.5 * before, sub(z, below))
-    kernel.add("slope", ROWS, more)
+    kernel.store("slope", ROWS, add(kernel.read("slope", ROWS, d + 1), more))
     return kernel
 
 

@@ -305,7 +305,8 @@ def _slopes(
     for k, plane in enumerate(first):
         D: tuple[Any, ...] = ()
         for number in range(k * pairs, (k + 1) * pairs):
-            both = (kernel.read(f, TILE, count, plane, (far, number)) for far in ("far", "back"))
+            ends = (f"{TILE} + {far}[{number}]" for far in ("far", "back"))
+            both = (kernel.read(f, layout, count, plane) for layout in ends)
             (w,), change = kernel.read("w", SHARED, 1, number), sub(*both)
             D = along(D, w, change) if D else scale(w, change)
         found += D
