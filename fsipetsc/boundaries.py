@@ -7,12 +7,16 @@ from dataclasses import dataclass
 from functools import wraps
 from typing import Any
 
+import numpy as np
+
 from fsipetsc.blocks import conditions
 from fsipetsc.blocks.conditions import Checked, Condition
-from fsipetsc.checks import NOWHERE, datum
+from fsipetsc.checks import NOWHERE, Array, datum
 
 #: a number, or a function of time
 Timed = float | Callable[[float], Any]
+#: data that are several numbers
+SEVERAL = {"values": ("rho", "u", "T")}
 
 
 class Boundary(Checked):
@@ -37,18 +41,16 @@ class Boundary(Checked):
         """The condition of a block of this material that this is."""
         raise NotImplementedError
 
-    def data(self, t: float) -> tuple[list[float], float]:
-        """All of ``given`` at time t [s], of `values` rho, u, T; and the temperature [K] or heat
-        flux [W/m2], 0 where none is given. InputError, perhaps on this rank alone.
+    def data(self, t: float) -> Array:
+        """(5,) at time t [s] all of ``given``, of `values` rho, u, T; then zeros; at last the
+        temperature [K] or heat flux [W/m2]. InputError, perhaps on this rank alone.
         """
-
-        def at(name: str) -> list[float]:
-            names = ("rho", "u", "T") if name == "values" else None
-            found: list[float] = datum(self, name, NOWHERE.T, t, names).ravel().tolist()
-            return found
-
-        heat = at(self.heated)[0] if self.heated else 0.0
-        return [number for name in self.given for number in at(name)], heat
+        found, names = np.zeros(5), {name: SEVERAL.get(name) for name in self.given}
+        values = [datum(self, name, NOWHERE.T, t, of).ravel() for name, of in names.items()]
+        found[: sum(v.size for v in values)] = np.concatenate([*values, []])
+        if self.heated:
+            found[-1:] = datum(self, self.heated, NOWHERE.T, t)
+        return found
 
     def _of_place(self, name: str, then: Callable[[Any], Any] = lambda v: v) -> Any:
         """A datum as a condition has it, changed by ``then``; a function of t gets X, too."""

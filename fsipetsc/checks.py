@@ -24,6 +24,14 @@ POSITIVE, NONNEGATIVE, ANY = "above 0", "not below 0", ""
 Ranges = Mapping[str, str]
 #: in the place of X for functions of time alone
 NOWHERE = np.empty((0, 1))
+#: what is asked of a value -> how a message says it, and whether a value is such
+KINDS: Mapping[str, tuple[str, Callable[[Any], bool]]] = {
+    "name": ("a line of text without |", lambda v: isinstance(v, str) and _is_name(v)),
+    "cells": ("a whole number above 0", lambda v: v is None or whole(v)),
+    "units": ("'SI' or 'none'", lambda v: v in ("SI", "none", "")),
+    "function": ("a function", callable),
+    "optional": ("a function or None", lambda v: v is None or callable(v)),
+}
 
 
 def described(value: Any) -> str:
@@ -73,22 +81,15 @@ def numbers(record: Any, owner: str, ranges: Ranges) -> None:
         object.__setattr__(record, name, number(getattr(record, name), f"{owner}: {name}", bound))
 
 
-def check_name(value: Any, what: str) -> None:
-    """InputError if a value is no name of a layer or a block."""
-    if not isinstance(value, str) or not value.isprintable() or not value.strip() or "|" in value:
-        raise InputError(f"{what}: name is {described(value)}: expected a line of text without |")
+def check(kind: str, value: Any, what: str) -> None:
+    """InputError if a value is none of one of the KINDS."""
+    expected, is_such = KINDS[kind]
+    if not is_such(value):
+        raise InputError(f"{what} is {described(value)}: expected {expected}")
 
 
-def check_cells(value: Any, what: str) -> None:
-    """InputError if a value is no number of cells of a layer; None: by the spacing."""
-    if value is not None and not whole(value):
-        raise InputError(f"{what}: cells is {described(value)}: expected a whole number above 0")
-
-
-def check_units(value: Any, what: str) -> None:
-    """InputError if a value does not say whether numbers have units."""
-    if value not in ("SI", "none", ""):
-        raise InputError(f"{what}: units is {described(value)}: expected 'SI' or 'none'")
+def _is_name(text: str) -> bool:
+    return text.isprintable() and bool(text.strip()) and "|" not in text
 
 
 def extent(X: Any, what: str) -> tuple[float, float]:
@@ -113,13 +114,6 @@ def cells_of(ends: tuple[float, float], h: float, what: str) -> int:
         found = f"{what} of length {ends[1] - ends[0]:g} would have {width:.3g} cells"
         raise InputError(f"{found}; {MOST_CELLS} are too many")
     return max(1, round(width))
-
-
-def function(value: Any, what: str, *, optional: bool = False) -> None:
-    """InputError if a value is no function."""
-    if not (callable(value) or (optional and value is None)):
-        expected = f"a function{' or None' if optional else ''}"
-        raise InputError(f"{what} is {described(value)}: expected {expected}")
 
 
 def names_of(kind: str, what: str, d: int) -> tuple[str, ...]:

@@ -8,16 +8,15 @@ from dataclasses import KW_ONLY, dataclass, field
 from functools import wraps
 from itertools import pairwise
 from math import ceil, floor
-from typing import Any, ClassVar, cast
+from typing import Any, ClassVar
 
 import numpy as np
 
-from fsipetsc import checks
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.maps import rectangle
 from fsipetsc.boundaries import Boundary, Wall
-from fsipetsc.checks import NOWHERE, Array, Fields, block_values, checked, described
+from fsipetsc.checks import Array, Fields, block_values, cells_of, check, described, extent
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.symbols import Symbol
 from fsipetsc.materials.fluid import Fluid
@@ -45,14 +44,13 @@ class _Layer:
 
     def __post_init__(self) -> None:
         what, wanted = f"{type(self).__name__} {described(self.name)}", self.material_class
-        checks.check_name(self.name, what)
         if not isinstance(self.material, wanted):
             found = described(self.material)
             raise InputError(f"{what}: material is {found}: expected a {wanted.__name__}")
-        object.__setattr__(self, "X", checks.extent(self.X, what))
-        checks.check_cells(self.cells, what)
-        for name in ("initial", "forcing", "exact"):
-            checks.function(getattr(self, name), f"{what}: {name}", optional=name != "initial")
+        object.__setattr__(self, "X", extent(self.X, what))
+        kinds = {"name": "name", "cells": "cells", "initial": "function"}
+        for name, kind in {**kinds, "forcing": "optional", "exact": "optional"}.items():
+            check(kind, getattr(self, name), f"{what}: {name}")
 
     def __str__(self) -> str:
         return f"layer '{self.name}'"
@@ -63,7 +61,7 @@ class _Layer:
 
     def fitting(self, h: float) -> int:
         """Cells of the size h [m] that -fsi_h says; a solid must end at a point. InputError."""
-        length, cells = self.X[1] - self.X[0], checks.cells_of(self.X, h, f"-fsi_h {h:g}: {self}")
+        length, cells = self.X[1] - self.X[0], cells_of(self.X, h, f"-fsi_h {h:g}: {self}")
         if self.kind == "solid" and abs(length / h - cells) > 1e-6 * max(1.0, length / h):
             near = sorted({max(1, floor(length / h)), ceil(length / h)})
             fits = " and ".join(f"{length / n:.10g}" for n in near)
@@ -144,8 +142,8 @@ class Problem:
     dimension: int = field(default=1, init=False)
 
     def __post_init__(self) -> None:
-        checks.check_units(self.units, "Problem")
-        checks.function(self.jumps, "Problem: jumps", optional=True)
+        check("units", self.units, "Problem: units")
+        check("optional", self.jumps, "Problem: jumps")
         given = self.layers
         if not isinstance(given, (tuple, list)) or not all(isinstance(v, _Layer) for v in given):
             expected = "expected a tuple of FluidLayer and SolidLayer"
@@ -155,7 +153,7 @@ class Problem:
         if not kinds or any(a == b for a, b in pairwise(kinds)) or len({*names}) < len(names):
             expected = "expected fluid and solid in turn, each with a name of its own"
             raise InputError(f"Problem: layers are {kinds}, {names}: {expected}")
-        for layer, end in self.outer:
+        for layer, end in ((given[0], self.left), (given[-1], self.right)):
             if getattr(end, "of", None) != layer.kind:
                 found = f"at the outer end of {layer} stands {described(end)}"
                 raise InputError(f"{found}: expected an end of a {layer.kind}")
@@ -168,31 +166,15 @@ class Problem:
         """ " m" after a number in a message, or nothing without dimensions."""
         return f" {name}" if self.units == "SI" else ""
 
-    def end(self, k: int, side: int) -> Boundary | None:
-        """What stands at the left (0) or right (1) end of layer k, None where a layer does."""
-        return {(0, 0): self.left, (len(self.layers) - 1, 1): self.right}.get((k, side))
-
-    def jumps_at(self, k: int, t: float) -> list[float]:
-        """The prescribed jumps at interface k at time t [s]. InputError."""
-        where = f"jumps at interface {k} at t = {t:.6g}"
-        names = "g_u", "g_stress", "g_T", "g_flux"
-        return [float(g[0]) for g in checked(cast(Any, self.jumps), (k, t), NOWHERE, names, where)]
-
-    @property
-    def interfaces(self) -> tuple[tuple[int, int], ...]:
-        """(fluid layer, solid layer) of each interface, left to right."""
-        pairs = pairwise(range(len(self.layers)))
-        return tuple((a, b) if self.layers[a].kind == "fluid" else (b, a) for a, b in pairs)
+    def ends(self, k: int) -> tuple[Boundary | None, Boundary | None]:
+        """What stands at the left and the right end of layer k, None where a layer does."""
+        last = len(self.layers) - 1
+        return self.left if k == 0 else None, self.right if k == last else None
 
     @property
     def interface_names(self) -> list[str]:
         """As "gas | rod", left to right."""
         return [f"{a.name} | {b.name}" for a, b in pairwise(self.layers)]
-
-    @property
-    def outer(self) -> list[tuple[Any, Boundary]]:
-        """The outer layers with what stands at their ends."""
-        return [(self.layers[0], self.left), (self.layers[-1], self.right)]
 
     @property
     def _forced(self) -> bool:
@@ -208,16 +190,18 @@ class Problem:
         """What must not change in the paper's method (see fsipetsc.scheme.observables.Drifts): the
         masses, (name, numbers among the gases), of layers that nothing enters or leaves.
         """
-        leaky = [v.name for v, end in self.outer if end.passes]
-        gases = [v.name for v in self.layers if v.kind == "fluid"] if not self._forced else []
+        gases = [k for k, v in enumerate(self.layers) if v.kind == "fluid" and not self._forced]
+        closed = [k for k in gases if not any(end and end.passes for end in self.ends(k))]
         return {
-            "masses": [[v, [i]] for i, v in enumerate(gases) if v not in leaky],
+            "masses": [[self.layers[k].name, [gases.index(k)]] for k in closed],
             "energy": False,
         }
 
 
-def check_place(layer: FluidLayer, end: Any, x: float, nearest: float) -> None:
-    """InputError if an end of a gas does not stand at x, as near as this [m]."""
+def check_place(layer: Any, end: Any, x: float, nearest: float) -> None:
+    """InputError if an end of a gas does not stand at x, as near as this [m]: its grid would have
+    another mass.
+    """
     if abs(end.x - x) > nearest:
         what = f"{layer}: its {type(end).__name__} stands at x = {end.x:g}"
         raise InputError(f"{what}: expected the end of its grid, {x:g}")
@@ -236,23 +220,18 @@ def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
         cells = layer.cells or layer.fitting(h)
         if layer.kind == "solid":
             blocks.append(_solid(layer, cells))
-        else:
-            blocks.append(_gas(problem, k, layer.cells or max(cells, least)))
+            continue
+        for x, end in zip(layer.X, problem.ends(k), strict=True):
+            if end is not None and not (isinstance(end, Wall) and end.moves):
+                check_place(layer, end, x, 1e-9 * (layer.X[1] - layer.X[0]))
+        functions, cells = (
+            (layer.initial, layer.forcing, layer.exact),
+            layer.cells or max(cells, least),
+        )
+        blocks.append(Block(layer.name, layer.material, rectangle(*layer.X), (cells,), *functions))
     ends = zip((0, 1), (problem.left, problem.right), (blocks[0], blocks[-1]), strict=True)
     faces = {(of.name, 0, side): end.condition(of.material) for side, end, of in ends}
     return BlockProblem(blocks, faces, notes=problem.notes, units=problem.units)
-
-
-def _gas(problem: Problem, k: int, cells: int) -> Block:
-    """A layer of gas. InputError where walls at rest and open ends are not at the layer's ends, for
-    its grid would have another mass.
-    """
-    layer: Any = problem.layers[k]
-    for x, end in zip(layer.X, (problem.end(k, 0), problem.end(k, 1)), strict=True):
-        if end is not None and not (isinstance(end, Wall) and end.moves):
-            check_place(layer, end, x, 1e-9 * (layer.X[1] - layer.X[0]))
-    functions = layer.initial, layer.forcing, layer.exact
-    return Block(layer.name, layer.material, rectangle(*layer.X), (cells,), *functions)
 
 
 def _solid(layer: Any, cells: int) -> Block:

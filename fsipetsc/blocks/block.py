@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.blocks.maps import Map, Nodes
-from fsipetsc.checks import Array, check_name, described, function, place_text, whole
+from fsipetsc.checks import Array, check, described, place_text, whole
 from fsipetsc.equations import tensors
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
@@ -64,13 +64,14 @@ class Block:
     exact_stress: Callable[..., Any] | None = None
 
     def __post_init__(self) -> None:
-        check_name(self.name, "Block")
+        check("name", self.name, "Block: name")
         if not isinstance(self.material, Fluid | ElasticSolid):
             found = f"material is {described(self.material)}"
             raise InputError(f"{self}: {found}: expected a Fluid or an ElasticSolid")
         self._check_axes()
         for name in ("map", "initial", *_OPTIONAL):
-            function(getattr(self, name), f"{self}: {name}", optional=name in _OPTIONAL)
+            kind = "optional" if name in _OPTIONAL else "function"
+            check(kind, getattr(self, name), f"{self}: {name}")
         if self.prestress is not None and self.kind == "fluid":
             raise InputError(f"{self}: prestress is given: expected none, as it is a gas")
         if not isinstance(self.map, Nodes):

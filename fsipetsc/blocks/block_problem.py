@@ -10,7 +10,7 @@ import numpy as np
 from fsipetsc.blocks.block import Block, Range, mesh, size_of
 from fsipetsc.blocks.conditions import Centre, Condition, Hinge
 from fsipetsc.blocks.faces import FaceName, Faces, Meeting, number_of, united
-from fsipetsc.checks import Array, check_units, described, function, place_text
+from fsipetsc.checks import Array, check, described, place_text
 from fsipetsc.errors import InputError
 from fsipetsc.materials.own import knows_entropy
 from fsipetsc.operators.bands import Band, band, centred_band
@@ -56,8 +56,8 @@ class BlockProblem:
         if len({*names}) < len(names) or len({block.dimension for block in self.blocks}) > 1:
             wanted = "expected names of their own and one number of dimensions"
             raise InputError(f"BlockProblem: blocks {', '.join(names)}: {wanted}")
-        check_units(self.units, "BlockProblem")
-        function(self.jumps, "BlockProblem: jumps", optional=True)
+        check("units", self.units, "BlockProblem: units")
+        check("optional", self.jumps, "BlockProblem: jumps")
         faces = Faces(self.blocks, self.faces)
         self.tolerance, self.members = faces.tolerance, faces.particles
         self.kinds, self._known = faces.kinds, faces.known

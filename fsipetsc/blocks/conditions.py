@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.blocks.face_formulas import Effect, FaceNode, mixed_flux, open_flux, surface_flux
-from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, function, number
+from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, check, number
 from fsipetsc.equations.vectors import along, choose, dot, scale, sub
 from fsipetsc.errors import InputError
 
@@ -42,7 +42,7 @@ class Checked:
         for field in fields(self):  # type: ignore[arg-type]
             key, value, what = field.name, getattr(self, field.name), f"{name}: {field.name}"
             if key in self.functions:
-                function(value, what, optional=field.default is None)
+                check("optional" if field.default is None else "function", value, what)
             elif callable(value) or (value is None and field.default is None):
                 continue
             elif key in self.ranges:

@@ -13,7 +13,7 @@ from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Condition, Periodic
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.checks import POSITIVE, cells_of, check_cells, described, extent, number
+from fsipetsc.checks import POSITIVE, cells_of, check, described, extent, number
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import OPERATORS
 
@@ -100,7 +100,7 @@ def layers(
     blocks, faces, top = {}, {}, stack[0].across[0]
     for n, (layer, span) in enumerate(zip(stack, spans)):
         what = f"layer '{layer.name}'"
-        check_cells(layer.cells, what)
+        check("cells", layer.cells, f"{what}: cells")
         low, high = extent(layer.across, what)
         if abs(top - low) > 1e-9 * (high - low):
             wrong = f"ends at {top:g}, '{layer.name}' begins at {low:g}: expected the same"

@@ -105,13 +105,13 @@ class Rows:
 
 
 def interface_of(pair: Sequence[Layer], number: int, me: int, kind: str, notes: Array) -> Interface:
-    """An interface of gas and solid, on rank ``me``."""
-    gas, solid = pair
-    rows, inwards = np.arange(row_length(gas.op)), (1, -1) if gas.side else (-1, 1)
-    first = tuple(int(v.lo if step > 0 else v.hi) for v, step in zip(pair, inwards))
+    """An interface of two layers, the left one first, on rank ``me``."""
+    ends = sorted(zip(pair, (-1, 0), (-1, 1)), key=lambda end: not end[0].is_gas)
+    first = tuple(int(v.active[at]) for v, at, _ in ends)
+    gas, solid = (v for v, *_ in ends)
     one = Interface(kind=kind, gas=gas, solid=solid, first=first, notes=notes, number=number)
-    owners = [v.share.ranks[0 if step > 0 else -1] for v, step in zip(pair, inwards)]
-    places = [v.places(at + step * rows) for v, at, step in zip(pair, first, inwards)]
+    owners, rows = [v.share.ranks[at] for v, at, _ in ends], np.arange(row_length(gas.op))
+    places = [v.places(v.active[at] + inwards * rows) for v, at, inwards in ends]
     one.messages = list(zip(owners, owners[::-1], places, strict=True))
     one.jump, one.here = np.zeros(4), [owner == me for owner in owners]
     return one

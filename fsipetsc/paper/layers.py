@@ -242,7 +242,7 @@ def layers_of(
         cuts = (0, *(cut + lo for cut in share.cuts[0][1:-1]), size)
         v = Layer(layer=layer, number=k, h=h, share=Share(share.ranks, (cuts,)), steps=steps)
         v.op, v.closure, v.least = op, closure_of(op), needed
-        v.narrow, v.ends = opt["fsi_viscous"] == "narrow", (problem.end(k, 0), problem.end(k, 1))
+        v.narrow, v.ends = opt["fsi_viscous"] == "narrow", problem.ends(k)
         v.end_x, v.given = getattr(v.ends[v.side], "x", 0.0), np.zeros((2, 5))
         v.material = Gas(*material.equations(1)) if v.is_gas else material.elastic
         v.gamma = getattr(material, "gamma", 0.0)

@@ -14,6 +14,7 @@ Nothing is added up over ranks: results are the same on any number of them, bit 
 
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -21,7 +22,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.checks import Array, names_of
+from fsipetsc.checks import NOWHERE, Array, checked, names_of
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.procedure import Code, Procedure
@@ -45,6 +46,8 @@ OF_LAYERS: dict[str, dict[str, Any]] = {
 }
 #: what a checkpoint says of a layer: where its grid lies, and how it moves
 FRAME = "lo", "hi", "s", "x_interface"
+#: what `jumps` of a problem returns
+JUMPS = "g_u", "g_stress", "g_T", "g_flux"
 
 
 class PaperState(State):
@@ -67,12 +70,12 @@ class PaperState(State):
         check_form(problem, opt)
         self.comm, self.problem, self.h = comm, problem, opt["fsi_h"]
         self.op, self.asks = OPERATORS[opt["fsi_order"]], not problem.steady_data
-        self.loose = [v for v in problem.layers if v.kind == "fluid" and any(v.material.force)]
-        gases = sum(layer.kind == "fluid" for layer in problem.layers)
-        count, noted = 2 * len(problem.layers), rates.NOTES * len(problem.interfaces)
-        numbers = self._lay_journal(step_record(len(problem.interfaces), gases), count)
+        gases = [v for v in problem.layers if v.kind == "fluid"]
+        self.loose = [v for v in gases if any(v.material.force)]
+        count, interfaces = len(problem.layers), len(problem.layers) - 1
+        numbers = self._lay_journal(step_record(interfaces, len(gases)), 2 * count)
         # what ranks tell each other after a step comes first
-        ends_at = np.cumsum([self.results.size, count, noted])
+        ends_at = np.cumsum([self.results.size, 2 * count, rates.NOTES * interfaces])
         _, bounds, notes, sums = np.split(numbers, ends_at)
         self.bounds, notes = bounds.reshape(-1, 2), notes.reshape(rates.NOTES, -1)
         steps = SimpleNamespace(batch=self.batch, results=self.results, bounds=self.bounds)
@@ -81,13 +84,13 @@ class PaperState(State):
         self.parts = {v.number: v for v in self.layers if v.own[0] < v.own[1]}
         self.shapes = [v.local.shape[1:] for v in self.layers]
         known = (v.local[:, slice(*v.known)] for v in self.layers)
-        frames = memory[: 2 * len(self.layers)], *(v.active for v in self.layers)
+        frames = memory[: 2 * count], *(v.active for v in self.layers)
         self.changing = *known, *frames, self.results, self.batch
         self.y = zeros(sum(v.owned.size for v in self.layers))
         self.solution = PETSc.Vec().createWithArray(self.y, comm=comm)
-        pairs = [[self.layers[k] for k in pair] for pair in problem.interfaces]
         of = comm.rank, opt["fsi_coupling"], notes
-        self.interfaces = [interface_of(v, k, *of) for k, v in enumerate(pairs)]
+        pairs = enumerate(pairwise(self.layers))
+        self.interfaces = [interface_of(pair, k, *of) for k, pair in pairs]
         of_rows = (message for one in self.interfaces for message in one.messages)
         self._rows, self._halos = (
             Exchange(comm, tag, routes_of(comm.rank, messages), memory, memory)
@@ -210,10 +213,11 @@ class PaperState(State):
             for layer in self.layers:
                 for end, given in zip(layer.ends, layer.given, strict=True):
                     if end is not None:
-                        values, given[-1] = end.data(t)
-                        given[: len(values)] = values
-            for k, interface in enumerate(self.interfaces if self.problem.jumps else ()):
-                interface.jump[:] = self.problem.jumps_at(k, t)
+                        given[:] = end.data(t)
+            for k, one in enumerate(self.interfaces if self.problem.jumps else ()):
+                where = f"jumps at interface {k} at t = {t:.6g}"
+                found = checked(self.problem.jumps, (k, t), NOWHERE, JUMPS, where)
+                one.jump[:] = np.ravel(found)
             for layer in self.parts.values():
                 layer.set_forcing(t)
         except InputError as error:
