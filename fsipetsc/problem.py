@@ -28,7 +28,7 @@ Function = Callable[..., Any]
 
 @dataclass(frozen=True)
 class _Layer:
-    """What a layer of gas and one of a solid have. fields: names of what is saved of it."""
+    """What layers of both kinds have. fields: names of what is saved of a point."""
 
     name: str
     material: Any
@@ -56,7 +56,7 @@ class _Layer:
         return f"layer '{self.name}'"
 
     def values(self, what: str, X: Array, t: float = 0.0, active: Any = slice(None)) -> list[Array]:
-        """Values of initial, exact or forcing at points X (n,): see ``block_values``."""
+        """See ``block_values``; X (n,)."""
         return block_values(self, what, X[None], t, active)
 
     def fitting(self, h: float) -> int:
@@ -224,11 +224,8 @@ def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
         for x, end in zip(layer.X, problem.ends(k), strict=True):
             if end is not None and not (isinstance(end, Wall) and end.moves):
                 check_place(layer, end, x, 1e-9 * (layer.X[1] - layer.X[0]))
-        functions, cells = (
-            (layer.initial, layer.forcing, layer.exact),
-            layer.cells or max(cells, least),
-        )
-        blocks.append(Block(layer.name, layer.material, rectangle(*layer.X), (cells,), *functions))
+        of = layer.material, rectangle(*layer.X), (layer.cells or max(cells, least),)
+        blocks.append(Block(layer.name, *of, layer.initial, layer.forcing, layer.exact))
     ends = zip((0, 1), (problem.left, problem.right), (blocks[0], blocks[-1]), strict=True)
     faces = {(of.name, 0, side): end.condition(of.material) for side, end, of in ends}
     return BlockProblem(blocks, faces, notes=problem.notes, units=problem.units)

@@ -269,20 +269,16 @@ def end_of(layer):
 
 
 def fill_ghost(layer, new=False):
-    """Give the ghost point its values, where a rank has the points that this takes: all who need it
-    do. new: it has no values yet.
+    """Give the ghost point its values. All ranks do, those that need it from points in their halos.
+    new: it has no values yet.
     """
-    (first, beyond), kind, q = layer.known, end_of(layer), layer.local
     ghost = named(layer.hi if layer.side else layer.lo)
-    last = ghost + (1 - 2 * layer.side) * depth_of(layer.op)
-    with when((first <= ghost) & (ghost < beyond) & (first <= last) & (last < beyond)):
-        end = kind(layer, ghost)
-        for v in (end.rho, end.u, end.T) if new else ():
-            # without data the highest difference is left, which vanishes
-            v[0] = dirichlet_ghost(0.0, v, [0.0] * NODES, kind.new + 1, 1.0)
-        rho, u, T = end.ghost()
-        energy = layer.material.total_energy(rho, u, T)
-        q[0, ghost], q[1, ghost], q[2, ghost] = rho, rho * u, energy
+    end = end_of(layer)(layer, ghost)
+    for v in (end.rho, end.u, end.T) if new else ():
+        # without data the highest difference is left, which vanishes
+        v[0] = dirichlet_ghost(0.0, v, [0.0] * NODES, end.new + 1, 1.0)
+    rho, u, T = end.ghost()
+    layer.local[:, ghost] = rho, rho * u, layer.material.total_energy(rho, u, T)
 
 
 def move_boundary(layer):

@@ -44,20 +44,16 @@ Message = tuple[int, int, Array]
 
 def check_form(problem: Problem, opt: Mapping[str, Any]) -> None:
     """InputError for options in force, or for a problem, that the paper's method does not have."""
-    kinds, ends = [layer.kind for layer in problem.layers], (problem.left, problem.right)
-    found = {f"-{name} {opt[name]}": opt[name] not in values for name, values in HAS.items()}
-    found |= {
-        "a layer has a spacing of its own": any(layer.cells for layer in problem.layers),
-        "there is no interface": len(kinds) == 1,
-        "a gas lies between two solids": len(kinds) > 3 or kinds.count("solid") > 1,
-        "a wall moves, or is not insulated": any(
-            isinstance(end, Wall) and (end.moves or end.heated) for end in ends
-        ),
-    }
-    for text in (text for text, there in found.items() if there):
+    kinds = [layer.kind for layer in problem.layers]
+    walls = [end for end in (problem.left, problem.right) if isinstance(end, Wall)]
+    found = [f"-{name} {opt[name]}" for name, values in HAS.items() if opt[name] not in values]
+    found += ["layers have cells"] * any(layer.cells for layer in problem.layers)
+    found += ["layers are " + ", ".join(kinds)] * (len(kinds) == 1 or kinds.count("solid") != 1)
+    found += ["a wall moves, or has heat"] * any(wall.moves or wall.heated for wall in walls)
+    if found:
         raise InputError(
-            f"{text}: the paper's couplings are of a solid between gases in rigid frames, on grids "
-            "of one spacing: take -fsi_coupling conservative"
+            f"{found[0]}: the paper's couplings are of one solid beside gases in rigid frames, on "
+            "grids of one spacing, with insulated walls at rest: take -fsi_coupling conservative"
         )
 
 
@@ -96,21 +92,19 @@ def grid_of(problem: Problem, k: int, op: SBPOperator, h: float) -> tuple[int, i
 
 
 class Layer(SimpleNamespace):
-    """A layer and all of its points. A rank has numbers of those that it owns, from own[0] to below
-    own[1], and of halos beside them, in all from known[0] to below known[1].
+    """A layer and all of its points, of which a rank owns those from own[0] to below own[1]. What
+    is at others than these and their halos is never used.
 
     layer: as the case has it, which is number ``number``. ends: what stands at the left and the
-    right end, None at an interface; end_x: where that of a gas stands. material: as formulas; gamma
-    of a gas. closure: of op, as numbers. narrow: with narrow second derivatives. least: active
-    points that the operator and the end conditions need. share: of all ranks. at, begin: of its
-    numbers in the memory of all layers, and in this rank's part of a solution.
+    right end, None at an interface; end_x: where that of a gas stands; given: (2, 5), data of both
+    (fsipetsc.boundaries). material: as formulas; gamma of a gas. closure: of op, as numbers.
+    narrow: with narrow second derivatives. least: active points that it needs. share: of all ranks.
+    at, begin: of its numbers in the memory of all layers, and in this rank's part of a solution.
 
     active: the first and the last active point: in a gas interface point and ghost point. frame:
-    velocity of the grid, that of the interface point, and x of the interface. given: (2, 5), what
-    is given at the ends: data (fsipetsc.boundaries), temperature or heat flux. local, y, total,
+    velocity of the grid, that of the interface point, and x of the interface. local, y, total,
     forcing: (unknowns, points) the stage, the solution before the step, the sum of the stages, and
-    what is added to rates, if anything. scratch: rows of points, of a piece or of all. steps: of
-    fsipetsc.paper.rates. X: of the points that it owns.
+    what is added to rates, if anything. steps: of fsipetsc.paper.rates. X: of the own points.
     """
 
     @property
@@ -145,7 +139,7 @@ class Layer(SimpleNamespace):
 
     @property
     def owned(self) -> Array:
-        """View (unknowns, points)."""
+        """(unknowns, points), a view."""
         return self.local[:, slice(*self.own)]
 
     def of(self, array: Array) -> Array:
@@ -247,7 +241,6 @@ def layers_of(
         v.material = Gas(*material.equations(1)) if v.is_gas else material.elastic
         v.gamma = getattr(material, "gamma", 0.0)
         v.own = v.share.part(comm.rank)[0] if comm.rank in share.ranks else (0, 0)
-        v.known = (max(v.own[0] - halo, 0), min(v.own[1] + halo, size)) if v.own[1] else v.own
         v.at, v.begin, v.active, v.frame = at[k], begin, np.array([lo, hi]), planes[0, 2 * k :][:2]
         v.local, v.y, v.total = (of[at[k] : at[k + 1]].reshape(shape) for of in planes)
         v.forcing = np.zeros(shape) if layer.forcing is not None else None

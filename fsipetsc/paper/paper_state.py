@@ -83,9 +83,7 @@ class PaperState(State):
         self.layers, memory = layers_of(comm, problem, opt, self.op, steps)
         self.parts = {v.number: v for v in self.layers if v.own[0] < v.own[1]}
         self.shapes = [v.local.shape[1:] for v in self.layers]
-        known = (v.local[:, slice(*v.known)] for v in self.layers)
-        frames = memory[: 2 * count], *(v.active for v in self.layers)
-        self.changing = *known, *frames, self.results, self.batch
+        self.changing = memory, *(v.active for v in self.layers), self.results, self.batch
         self.y = zeros(sum(v.owned.size for v in self.layers))
         self.solution = PETSc.Vec().createWithArray(self.y, comm=comm)
         of = comm.rank, opt["fsi_coupling"], notes
