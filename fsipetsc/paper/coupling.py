@@ -1,9 +1,8 @@
 """What holds at an interface: three treatments, each of the rows of both sides that a condition can
 reach.
 
-Rows are counted from the interface into each material: f[j] = (rho, rho u, e)_j of the gas, s[j] =
-(u, sigma, T, x)_j of the solid. A treatment changes both in place so that (2.6)-(2.8b) hold up to
-the prescribed jumps,
+Rows are counted from the interface into each material. A treatment changes both in place so that
+(2.6)-(2.8b) hold up to the prescribed jumps,
 
     g_u = u_s - u_f                          g_T = T_s - T_f
     g_stress = sigma - p_s + p - mu' u_X     g_flux = kappa_e/x_X T_s,X - kappa T_f,X
@@ -43,6 +42,8 @@ from fsipetsc.kernels.loops import each, stop, variable
 from fsipetsc.operators.sbp import row_length
 from fsipetsc.paper.layers import Layer
 
+#: of a point of a solid
+UNKNOWNS = "u", "sigma", "T", "x"
 #: the conductivity at the interface has the temperature that it leads to, but for this fraction, or
 #: after so many attempts
 AGREED, REFINEMENTS = 1e-15, 20
@@ -72,36 +73,24 @@ class Interface(SimpleNamespace):
         norm = self.gas.op.norm
         return float(norm[0]) / (float(norm[j]) if j < len(norm) else 1.0)
 
-    @property
-    def f(self):
-        return Rows(self.gas.local, self.first[0], self.n)
-
-    @property
-    def s(self):
-        return Rows(self.solid.local, self.first[1], -self.n)
-
     def gas_at(self, j):
-        """(u, T) in row j."""
-        f = self.f
-        return self.gas.material.velocity_and_temperature(f[j, 0], f[j, 1], f[j, 2])
+        """(rho, u, T) in row j."""
+        rho, m, e = (self.gas.local[c, self.first[0] + self.n * j] for c in range(3))
+        return (rho, *self.gas.material.velocity_and_temperature(rho, m, e))
 
     def put_gas(self, j, rho, u, T):
         """Let the gas in row j be of this density, velocity and temperature."""
-        f = self.f
-        f[j, 0], f[j, 1], f[j, 2] = rho, rho * u, self.gas.material.total_energy(rho, u, T)
+        energy = self.gas.material.total_energy(rho, u, T)
+        self.gas.local[:, self.first[0] + self.n * j] = rho, rho * u, energy
 
+    def solid_at(self, j):
+        """(u, sigma, T, x) in row j."""
+        return tuple(self.solid.local[c, self.first[1] - self.n * j] for c in range(4))
 
-class Rows:
-    """Rows of one side of an interface, counted from there: rows[j, c] is unknown c of row j."""
-
-    def __init__(self, points, first, step):
-        self._points, self._first, self._step = points, first, step
-
-    def __getitem__(self, at):
-        return self._points[at[1], self._first + self._step * at[0]]
-
-    def __setitem__(self, at, value):
-        self._points[at[1], self._first + self._step * at[0]] = value
+    def put_solid(self, j, **values):
+        """Let unknowns of the solid in row j be these."""
+        for name, value in values.items():
+            self.solid.local[UNKNOWNS.index(name), self.first[1] - self.n * j] = value
 
 
 def interface_of(pair: Sequence[Layer], number: int, me: int, kind: str, notes: Array) -> Interface:
@@ -119,37 +108,36 @@ def interface_of(pair: Sequence[Layer], number: int, me: int, kind: str, notes: 
 
 def note(of):
     """Note x, u, sigma, T and the residuals of the four conditions of an interface."""
-    s, found = of.s, residuals(of)
-    for row, value in enumerate((s[0, 3], s[0, 0], s[0, 1], s[0, 2], *found)):
+    u, sigma, T, x = of.solid_at(0)
+    for row, value in enumerate((x, u, sigma, T, *residuals(of))):
         of.notes[row, of.number] = value
 
 
 def couple(of):
     """Couple the rows of both sides; the frame of the gas follows."""
-    f, s = of.f, of.s
     if of.kind == "traditional":
         traditional(of)
     else:
         if of.kind == "projection":
-            T_f, T_s = temperatures(of)
-            of.put_gas(0, f[0, 0], f[0, 1] / f[0, 0], T_f)
-            s[0, 2] = T_s
+            (rho, u, _), (T_f, T_s) = of.gas_at(0), temperatures(of)
+            of.put_gas(0, rho, u, T_f)
+            of.put_solid(0, T=T_s)
         for _ in each(REFINEMENTS):
-            used = of.gas.material.conductivity(of.gas_at(0)[1])
+            used = of.gas.material.conductivity(of.gas_at(0)[2])
             T_f = project(of)
             stop(~(np.absolute(of.gas.material.conductivity(T_f) - used) > AGREED * used))
-    of.gas.frame[0], of.gas.frame[1] = f[0, 1] / f[0, 0], s[0, 3]
+    of.gas.frame[:] = of.gas_at(0)[1], of.solid_at(0)[3]
 
 
 def gradients(of):
     """(u_X, T_X) of the gas and (T_X, x_X) of the solid, and sum_j a_0/a_j d_j^2."""
-    s, (beta, d), u_X, Tf_X, Ts_X, x_X, squares = of.s, of.beta, 0.0, 0.0, 0.0, 0.0, 0.0
+    (beta, d), u_X, Tf_X, Ts_X, x_X, squares = of.beta, 0.0, 0.0, 0.0, 0.0, 0.0
     for j, beta_j in enumerate(beta):
-        d_j, (u, T) = d * beta_j, of.gas_at(j)
+        d_j, (_, u, T_f), (_, _, T_s, x) = d * beta_j, of.gas_at(j), of.solid_at(j)
         u_X += d_j * u
-        Tf_X += d_j * T
-        Ts_X -= d_j * s[j, 2]
-        x_X -= d_j * s[j, 3]
+        Tf_X += d_j * T_f
+        Ts_X -= d_j * T_s
+        x_X -= d_j * x
         squares += d_j * d_j * of.weight(j)
     return u_X, Tf_X, Ts_X, x_X, squares
 
@@ -162,13 +150,13 @@ def temperatures(of):
     temperature. The gas conducts with the kappa of its new temperature: where that depends on T,
     the temperatures are found again with it.
     """
-    s, jump, (beta, d) = of.s, of.jump, of.beta
+    (_, _, jump_T, jump_flux), (beta, d) = (of.jump[c] for c in range(4)), of.beta
     gas, solid = of.gas.material, of.solid.material
-    T_f, T_s = variable(of.gas_at(0)[1]), variable(s[0, 2])
-    rest_f = d * sum(beta[j] * of.gas_at(j)[1] for j in range(1, len(beta)))
-    rest_s = -d * sum(beta[j] * s[j, 2] for j in range(1, len(beta)))
+    T_f, T_s = variable(of.gas_at(0)[2]), variable(of.solid_at(0)[2])
+    rest_f = d * sum(beta[j] * of.gas_at(j)[2] for j in range(1, len(beta)))
+    rest_s = -d * sum(beta[j] * of.solid_at(j)[2] for j in range(1, len(beta)))
     d_f, d_s = d * beta[0], -d * beta[0]
-    k_s, jump_T, jump_flux = solid.kappa_e / gradients(of)[3], jump[2], jump[3]
+    k_s = solid.kappa_e / gradients(of)[3]
     for _ in each(REFINEMENTS):
         used = gas.conductivity(T_f.value)
         both = (jump_flux - k_s * (rest_s + d_s * jump_T) + used * rest_f) / (
@@ -184,12 +172,13 @@ def temperatures(of):
 
 def residuals(of):
     """What the four conditions are off by, as a tuple."""
-    f, s, jump, (u_X, Tf_X, Ts_X, x_X, _) = of.f, of.s, of.jump, gradients(of)
-    gas, solid, (u, T) = of.gas.material, of.solid.material, of.gas_at(0)
-    stress = s[0, 1] - solid.pressure(s[0, 2], x_X) + gas.law.pressure(f[0, 0], T)
-    stress -= gas.viscosity(T) * u_X
-    flux = solid.kappa_e / x_X * Ts_X - gas.conductivity(T) * Tf_X
-    return s[0, 0] - u - jump[0], stress - jump[1], s[0, 2] - T - jump[2], flux - jump[3]
+    jump, (u_X, Tf_X, Ts_X, x_X, _) = of.jump, gradients(of)
+    gas, (rho, u_f, T_f) = of.gas.material, of.gas_at(0)
+    solid, (u_s, sigma, T_s, _) = of.solid.material, of.solid_at(0)
+    stress = sigma - solid.pressure(T_s, x_X) + gas.law.pressure(rho, T_f)
+    stress -= gas.viscosity(T_f) * u_X
+    flux = solid.kappa_e / x_X * Ts_X - gas.conductivity(T_f) * Tf_X
+    return u_s - u_f - jump[0], stress - jump[1], T_s - T_f - jump[2], flux - jump[3]
 
 
 def multipliers(S11, S12, S22, S23, S24, S33, S34, S44, r1, r2, r3, r4):
@@ -214,17 +203,17 @@ def project(of):
 
     c = dp_s/dT, k_s = kappa_e/x_X, tau_f = T^/(rho^ cv), tau_s = T^/(alpha m0).
     """
-    f, s, gas, solid, (beta, d) = of.f, of.s, of.gas.material, of.solid.material, of.beta
+    gas, solid, (beta, d) = of.gas.material, of.solid.material, of.beta
     _, _, _, x_X, squares = gradients(of)
     # the state that the weights belong to
-    rho, (u, T), T_s = f[1, 0], of.gas_at(1), s[0, 2]
+    (rho, _, T), (u_s, sigma, T_s, _) = of.gas_at(1), of.solid_at(0)
     bulk, p_T = gas.law.bulk_modulus(rho, T), gas.law.pressure_by_temperature(rho, T)
     at, K, tau_f, tau_s = (x_X, T_s, solid.m0, solid.alpha), solid.K, 0.0, 0.0
     c = solid.law.pressure_by_temperature(*at)
     if of.kind == "energy":
         K = (solid.K + solid.law.stiffness(*at)) / x_X
         tau_f, tau_s = T / (rho * gas.law.heat_capacity(rho, T)), T / (solid.alpha * solid.m0)
-    T_f = of.gas_at(0)[1]
+    T_f = of.gas_at(0)[2]
     mu, kappa, k_s = gas.viscosity(T_f), gas.conductivity(T_f), solid.kappa_e / x_X
     r1, r2, r3, r4 = residuals(of)
     # S without the factor 1/a_0: the multipliers come out as l/a_0
@@ -242,28 +231,26 @@ def project(of):
         S23, S33, S34, r3 = choose(some, (0.0, 1.0, 0.0, 0.0), (S23, S33, S34, r3))
         S24, S44, r4 = choose(none, (0.0, 1.0, 0.0), (S24, S44, r4))
     l1, l2, l3, l4 = multipliers(S11, S12, S22, S23, S24, S33, S34, S44, r1, r2, r3, r4)
-    s[0, 0] -= l1 / solid.m0
-    s[0, 1] -= K * l2
+    sigma -= K * l2
+    of.put_solid(0, u=u_s - l1 / solid.m0, sigma=sigma)
     for j, beta_j in enumerate(beta):
         d_j, w, here = d * beta_j, of.weight(j), 1.0 if j == 0 else 0.0
-        rho_j, (u, T) = f[j, 0], of.gas_at(j)
+        (rho_j, u, T), T_j = of.gas_at(j), of.solid_at(j)[2]
         u += w * (here * l1 + mu * d_j * l2) / rho
         T += w * tau_f * (here * (l3 - p_T * l2) + kappa * d_j * l4)
-        s[j, 2] += w * tau_s * (here * (c * l2 - l3) + k_s * d_j * l4)
+        of.put_solid(j, T=T_j + w * tau_s * (here * (c * l2 - l3) + k_s * d_j * l4))
         of.put_gas(j, rho_j, u, T)
-    u, T_f = of.gas_at(0)
-    u_X = gradients(of)[0]
-    p_0 = gas.viscosity(T_f) * u_X - s[0, 1] + solid.pressure(s[0, 2], x_X) + of.jump[1]  # (4.24)
+    (_, u, T_f), (_, sigma, T_s, _), u_X = of.gas_at(0), of.solid_at(0), gradients(of)[0]
+    p_0 = gas.viscosity(T_f) * u_X - sigma + solid.pressure(T_s, x_X) + of.jump[1]  # (4.24)
     of.put_gas(0, gas.law.density(p_0, T_f), u, T_f)
     return T_f
 
 
 def traditional(of):
     """The solid moves the gas, the gas loads the solid."""
-    f, s, jump, (T_f, T_s) = of.f, of.s, of.jump, temperatures(of)
-    gas, solid = of.gas.material, of.solid.material
-    of.put_gas(0, f[0, 0], s[0, 0] - jump[0], T_f)
+    gas, solid, jump, (T_f, T_s) = of.gas.material, of.solid.material, of.jump, temperatures(of)
+    rho = of.gas_at(0)[0]
+    of.put_gas(0, rho, of.solid_at(0)[0] - jump[0], T_f)
     u_X, _, _, x_X, _ = gradients(of)
-    stress = gas.viscosity(T_f) * u_X - gas.law.pressure(f[0, 0], T_f)
-    s[0, 1] = solid.pressure(T_s, x_X) + stress + jump[1]
-    s[0, 2] = T_s
+    stress = gas.viscosity(T_f) * u_X - gas.law.pressure(rho, T_f)
+    of.put_solid(0, sigma=solid.pressure(T_s, x_X) + stress + jump[1], T=T_s)

@@ -16,14 +16,13 @@ rho = m0 / x_X:
     alpha m0 T_t = (sigma - p) u_X + (kappa_e / x_X T_X)_X
     x_t          = u
 
-Viscous stress and conduction are inside the outer derivative: D acts twice, mu and kappa may vary;
-rates need values within twice the reach of D. The loops work on a row of scratch for each quantity.
-A layer is a fsipetsc.paper.layers.Layer.
+D acts twice, mu and kappa may vary; rates need values within twice the reach of D. The loops work
+on a row of scratch for each quantity. A layer is a fsipetsc.paper.layers.Layer.
 
 After a step each layer finds 1/dt [1/s] at Courant number 1, by convection and diffusion, and this
 rank's share of the masses of the gases [kg/m2], then of energy [J/m2] and momentum [N s/m2] of all
 layers, by the norm of the operator, without the strip between an embedded boundary and its ghost
-point. Sums over ranks may differ by round-off: nothing that is computed on depends on them.
+point.
 """
 
 import numpy as np
@@ -78,8 +77,7 @@ def widened(span, reach):
 
 def pieces(layer, stage):
     """Yield (w, k, span) for each piece of the points: rows of scratch, rows for the rates, and the
-    span of the piece. Both rows begin shortly before its first point. Where rates are added to
-    forcing or to narrow terms, k begins with the forcing, or with 0.
+    span of the piece. Where rates are added to forcing or to narrow terms, k has the forcing, or 0.
 
     After a piece the points that no later piece reads get their next stage: their rates and
     unknowns are still in the fastest memory.
@@ -89,7 +87,9 @@ def pieces(layer, stage):
     for piece in each((end - begin + (PIECE - 1)) // PIECE):
         a = named(begin + piece * PIECE)
         b = named(np.minimum(a + PIECE, end))
-        w, k = (beginning_at(behind - a, rows) for rows in (layer.scratch, rates))
+        # point 0 of these rows is before their first number: they begin shortly before point a
+        of_piece = (rows.reshape(-1)[behind - a :] for rows in (layer.scratch, rates))
+        w, k = (flat.reshape(*rows.shape) for flat, rows in zip(of_piece, (layer.scratch, rates)))
         for c in each(layer.local.shape[0]) if adds(layer) else ():
             for i in each(a, b, vector=True):
                 k[c, i] = 0.0 if layer.forcing is None else layer.forcing[c, i]
@@ -99,13 +99,6 @@ def pieces(layer, stage):
         for c in each(layer.local.shape[0]):
             for i in each(behind):
                 rates[c, i] = rates[c, i + PIECE]
-
-
-def beginning_at(place, rows):
-    """The same rows of scratch, with point 0 at this place of theirs; where that is before the
-    first number, point 0 is not among those at work.
-    """
-    return rows.reshape(-1)[place:].reshape(*rows.shape)
 
 
 def adds(layer):
@@ -121,14 +114,11 @@ def put(layer, k, i, rates):
 
 def entropy_keeping(gas, rho, m, e, rho_t, m_t, e_t, u_X):
     """What must be added to e_t so that the entropy of a gas's interface point obeys rho T S_t =
-    mu' u_X^2.
-
-    Without conduction this point is a particle that no heat reaches, and with h = eps + p/rho
+    mu' u_X^2. Without conduction no heat reaches this particle of the gas: with h = eps + p/rho
 
         e_t = u m_t + (h - u^2/2) rho_t + mu' u_X^2.
 
-    The error that the closure makes in the energy, and the entropy that a shock leaves there, would
-    stay for ever: nothing carries them away.
+    Errors of the closure, and the entropy that a shock leaves there, would stay for ever.
     """
     u, T = gas.velocity_and_temperature(rho, m, e)
     h = e / rho - 0.5 * u * u + gas.law.pressure(rho, T) / rho
@@ -248,7 +238,7 @@ def advance(layer, now, rates, first, end):
 
 
 def forget(steps):
-    """Forget what is known of the step before; notes and bounds are those of the owners."""
+    """Forget what is known of the step before."""
     steps.results[:STOP] = 0.0
     for told in (steps.bounds, steps.notes):
         told.reshape(-1)[:] = -np.inf

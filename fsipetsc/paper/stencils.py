@@ -1,8 +1,7 @@
 """The SBP first derivative on rows of values, and narrow second derivatives.
 
 Rows hold the points of a layer. The closures stand at the first and the last active point, A and B.
-A span (a, b, A, B) is of the points a .. b-1. The same formula is evaluated in the same order for a
-point whoever owns it, so results do not depend on the number of ranks.
+A span (a, b, A, B) is of the points a .. b-1.
 
 D acts twice on u and T, with b = mu', kappa or kappa_e / x_X between. That leaves the shortest wave
 alone, (-1)^i being in the null space of the interior formula. With the norm H of D (h = 1), B =
@@ -21,8 +20,7 @@ points are left out, and the first T of order p+1 have a term of their own inste
     b_T  Delta_{p+1}^T  c L L^T  Delta_{p+1},             c the sum of the weights of mean_{p+1}
 
 Whatever L is, R is symmetric, for b >= 0 positive semidefinite, and 0 on polynomials up to degree
-p: near the ends D2 is as exact as D B D, in the interior of order h^2p. The boundary derivative is
-the closure row of D: a flux imposed by it makes an error phi h^s u^(s+1), s = p, which the L of
+p. A flux that is imposed by the closure row of D makes an error phi h^p u^(p+1), which the L of
 _ENDS make 0 for 2/1, 4/2 and 6/3; without them phi is 1/2, -1/3, 0.31, -0.38.
 
 Sources: K. Mattsson, J. Sci. Comput. 51 (2012), 650-682; B. Sjögreen and N. A. Petersson, J. Sci.
@@ -73,8 +71,8 @@ def closure_of(op: SBPOperator) -> np.ndarray:
 
 
 def near_ends(op: SBPOperator, span: Any) -> Iterator[tuple[Any, Any, Any, int]]:
-    """(r, i, end, step): each point i of a span that is point number r from an end, A or B, from
-    which ``step`` leads inwards. What the loop does is done where there is such a point.
+    """Yield (r, i, end, step) for each point i of a span that is number r from an end, A or B, from
+    which ``step`` leads inwards.
     """
     a, b, A, B = span
     for end, step in ((A, 1), (B, -1)):
@@ -117,26 +115,19 @@ def add_remainder(layer, scale, b, y, scratch, out, span):
         for i in each(first, last, vector=True):
             mean = sum(float(v) * b[i + skipped + k] for k, v in enumerate(of_mean))
             g[i] = mean * sum(v * y[i + k] for k, v in enumerate(weights))
-        if q == op.p + 1:
-            add_end_terms(op, b, y, g, span)
+        for edge, step, inside in ((A, 1, A + T), (B - q, -1, B - T)) if q == op.p + 1 else ():
+            for t, row in enumerate(end_term(op.order)):  # b_T c L L^T Delta_{p+1} y
+                at = edge + step * t
+                with when((begin - q <= at) & (at < end)):
+                    differences = (
+                        sum(v * y[edge + step * k + j] for j, v in enumerate(weights))
+                        for k in range(T)
+                    )
+                    total = sum(float(v) * one for v, one in zip(row, differences, strict=True))
+                    g[at] += b[inside] * total
         for i in each(begin, end, vector=True):
             sums[i] += sum(v * g[i - k] for k, v in enumerate(weights))
     for r, i, _, _ in near_ends(op, span):
         sums[i] *= 1.0 / layer.closure[r, 0]
     for i in each(begin, end, vector=True):
         out[i] += scale * sums[i]
-
-
-def add_end_terms(op, b, y, g, span):
-    """Add b_T c L L^T Delta_{p+1} y to the differences g at both ends."""
-    (begin, end, A, B), term = span, end_term(op.order)
-    T, q, weights = len(term), op.p + 1, undivided(op.p + 1)
-    for edge, step, inside in ((A, 1, A + T), (B - q, -1, B - T)):
-        for t, row in enumerate(term):
-            at = edge + step * t
-            with when((begin - q <= at) & (at < end)):
-                differences = (
-                    sum(v * y[edge + step * k + j] for j, v in enumerate(weights)) for k in range(T)
-                )
-                total = sum(float(v) * one for v, one in zip(row, differences, strict=True))
-                g[at] += b[inside] * total
