@@ -1,12 +1,9 @@
 """The outer ends of layers: of a gas an embedded boundary, which stands between the nodes of a
 frame's grid and moves over it; of a solid its end node.
 
-The boundary stands at x_w; the ghost point is the first point of the grid at or beyond it, delta in
-[0, 1) cells outside. n is the outward normal, -1 left, 1 right.
-
-Only what a condition gives is overwritten in a ghost point: outgoing characteristics keep their
-values, with Z = rho c; else the scheme is unstable. docs/open-end.md says why each formula of the
-open end is as it is. A layer is a fsipetsc.paper.layers.Layer.
+The ghost point is the first point of the grid at or beyond the boundary, delta in [0, 1) cells
+outside. n is the outward normal, -1 left, 1 right. Outgoing characteristics keep their values in a
+ghost point, with Z = rho c; else the scheme is unstable. docs/open-end.md derives the open end.
 """
 
 import numpy as np
@@ -42,20 +39,13 @@ def degree_of(end, p):
 
 
 def distance(layer):
-    """From the interface to the embedded boundary, in cells, from where the frame is: not by
-    (4.25)."""
+    """From the interface to the embedded boundary, in cells."""
     return np.absolute(layer.end_x - layer.frame[1]) / layer.h
 
 
 def beyond_boundary(layer):
     """delta: how far the ghost point lies outside, in cells."""
     return number(layer.hi - layer.lo) - distance(layer)
-
-
-def depth_of(op):
-    """Points inside the ghost point that are taken. Who owns the next point to come in must have
-    them in its halo; no layer has fewer (fsipetsc.paper.layers)."""
-    return min(NODES, halo_of_rates(op)) - 1
 
 
 # formulas of an embedded boundary
@@ -128,7 +118,8 @@ class GasEnd:
         self.n, self.data = 2.0 * side - 1.0, layer.given[side]
         self.degree, self.delta = degree_of(layer.ends[side], layer.op.p), beyond_boundary(layer)
         found = []
-        for k in range(depth_of(layer.op) + 1):
+        # who owns the next point to come in has these in its halo; no layer has fewer
+        for k in range(min(NODES, halo_of_rates(layer.op))):
             rho, m, e = (layer.local[c, ghost + (1 - 2 * side) * k] for c in range(3))
             found.append((rho, *self.gas.velocity_and_temperature(rho, m, e)))
         self.rho, self.u, self.T = (list(values) for values in zip(*found, strict=True))
@@ -283,11 +274,10 @@ def fill_ghost(layer, new=False):
 
 def move_boundary(layer):
     """Let the ghost point be the first one at or beyond the boundary; OFF_GRID: 1 + the number of
-    the layer if no point is left.
+    the layer if no point is left. All ranks of a layer decide alike.
 
-    A point that comes in is extrapolated and becomes the ghost point; where the boundary moves
-    inwards the last interior point does. All ranks of a layer decide alike. Where the cells are not
-    a number, the bounds on the step will tell.
+    A point that comes in is extrapolated; where the boundary moves inwards the last interior point
+    becomes the ghost point. Where cells are no number, the bounds on the step will tell.
     """
     side, active, outwards = layer.side, layer.active, 2 * layer.side - 1
     cells = distance(layer) - 1e-9
@@ -312,31 +302,28 @@ def move_boundary(layer):
 
 
 def close_solid(layer):
-    """Apply the conditions at the outer ends of a solid that this rank owns."""
-    begin, beyond = layer.own
-    for side, (end, i) in enumerate(zip(layer.ends, (layer.lo, layer.hi), strict=True)):
-        if end is not None:
-            with when((begin <= i) & (i < beyond)):
-                close_end(layer, end, side, named(i))
-
-
-def close_end(layer, end, side, i):
-    """An end that absorbs lets the characteristic sigma - p - n Z u leave, Z = m0 c."""
-    solid, q, given, heat = layer.material, layer.local, layer.given[side, 0], layer.given[side, 4]
-    step, n, beta = 1 - 2 * side, 2.0 * side - 1.0, [float(v) for v in layer.op.closure[0]]
-    d = -n / layer.h
-    x_X = sum(d * v * q[3, i + step * j] for j, v in enumerate(beta))
-    rest = sum(v * q[2, i + step * j] for j, v in enumerate(beta) if j > 0)
-    slope = n * heat * x_X / (solid.kappa_e * d) if end.heated == "heat_flux" else 0.0
-    imposed = heat if end.heated == "T" else (slope - rest) / beta[0]
-    T = np.where(solid.kappa_e > 0.0, imposed, q[2, i])
-    u, sigma, p = q[0, i], q[1, i], solid.pressure(T, x_X)
-    q[2, i] = T
-    if isinstance(end, clamped):
-        q[0, i] = given
-    elif isinstance(end, free):
-        q[1, i] = given + p
-    else:
-        Z = np.sqrt(solid.wave_modulus(T, p, given + p, x_X) * solid.m0)
-        w_o = sigma - p - given - n * Z * u
-        q[0, i], q[1, i] = -n * 0.5 * w_o / Z, given + p + 0.5 * w_o
+    """Apply the conditions at the outer ends of a solid that this rank owns. An end that absorbs
+    lets the characteristic sigma - p - n Z u leave, Z = m0 c.
+    """
+    solid, q, beta = layer.material, layer.local, [float(v) for v in layer.op.closure[0]]
+    for side, end in enumerate(layer.ends):
+        if end is None:
+            continue
+        i, given, heat = named(layer.active[side]), layer.given[side, 0], layer.given[side, 4]
+        step, n, d = 1 - 2 * side, 2.0 * side - 1.0, (1.0 - 2.0 * side) / layer.h
+        with when((layer.own[0] <= i) & (i < layer.own[1])):
+            x_X = sum(d * v * q[3, i + step * j] for j, v in enumerate(beta))
+            rest = sum(v * q[2, i + step * j] for j, v in enumerate(beta) if j > 0)
+            slope = n * heat * x_X / (solid.kappa_e * d) if end.heated == "heat_flux" else 0.0
+            imposed = heat if end.heated == "T" else (slope - rest) / beta[0]
+            T = np.where(solid.kappa_e > 0.0, imposed, q[2, i])
+            u, sigma, p = q[0, i], q[1, i], solid.pressure(T, x_X)
+            q[2, i] = T
+            if isinstance(end, clamped):
+                q[0, i] = given
+            elif isinstance(end, free):
+                q[1, i] = given + p
+            else:
+                Z = np.sqrt(solid.wave_modulus(T, p, given + p, x_X) * solid.m0)
+                w_o = sigma - p - given - n * Z * u
+                q[0, i], q[1, i] = -n * 0.5 * w_o / Z, given + p + 0.5 * w_o

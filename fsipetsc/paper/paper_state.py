@@ -22,7 +22,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.checks import NOWHERE, Array, checked, names_of
+from fsipetsc.checks import NOWHERE, Array, checked
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.procedure import Code, Procedure
@@ -31,7 +31,7 @@ from fsipetsc.paper import ends, rates
 from fsipetsc.paper.coupling import couple, interface_of, note
 from fsipetsc.paper.layers import check_ends, check_form, layers_of, messages_of, routes_of
 from fsipetsc.parallel.exchange import Exchange, Reduction, exchange_text
-from fsipetsc.problem import Problem, SolidLayer
+from fsipetsc.problem import Problem
 from fsipetsc.process.together import agree, libraries, together
 from fsipetsc.scheme.plan import OFF_GRID, STAGES, plan_next, step_record
 from fsipetsc.state import State
@@ -54,10 +54,8 @@ class PaperState(State):
     """A run in the paper's method; all methods are collective on ``comm``.
 
     opt: options in force; announce: told of what is compiled. InputError where grid, order and
-    number of ranks do not fit, or the problem is not of the paper's form.
-
-    layers: all, on each rank. bounds: (layers, 2), the largest rates of convection and diffusion
-    [1/s]. loose: gases on which a force acts.
+    number of ranks do not fit, or the problem is not of the paper's form. bounds: (layers, 2), the
+    largest rates of convection and diffusion [1/s]. loose: gases on which a force acts.
     """
 
     def __init__(
@@ -99,9 +97,7 @@ class PaperState(State):
         self._load_procedures(steps, announce)
 
     def _load_procedures(self, steps: Any, announce: Callable[[str], None]) -> None:
-        """Record all procedures, the same ones on all ranks, and make machine code of them; does:
-        name -> those that this rank calls.
-        """
+        """Make machine code of all procedures; does: name -> those that this rank calls."""
         code, self._does = Code(exchange_text()), defaultdict[str, list[Procedure]](list)
 
         def add(name: str, number: int, f: Any, of: Any, here: bool = True) -> None:
@@ -124,7 +120,7 @@ class PaperState(State):
 
     def phase(self, name: str, n: int, f: Array | None = None) -> list[Any]:
         does, found, of_rates = self._does, list[Any](), list[Any]()
-        if name == "fulfil" and n > 0:  # the solution fulfils the conditions
+        if name == "fulfil" and n > 0:  # the solution obeys the conditions
             found = [self._rows, *does["couple"], *does["close"], self._halos]
         elif name in ("rates", "advance"):
             # a stage fulfils the conditions but for the ghost point, the completed solution all
@@ -175,7 +171,7 @@ class PaperState(State):
         return self.problem.layers[k].fields
 
     def compared(self, kind: str) -> Sequence[str]:
-        return names_of(kind, "exact", 1) if kind == "fluid" else SolidLayer.unknowns
+        return {v.kind: v.fields[:-1] for v in self.problem.layers}[kind]  # all but the pressure
 
     def powers(self, k: int, names: Sequence[str], t: float, power: int) -> Array:
         self._do("stretch", 0)
@@ -185,16 +181,13 @@ class PaperState(State):
         return [layer.X[:, None] for layer in self.layers]
 
     def save(self) -> dict[int, Array]:
-        """What is saved of this rank's points, (local, 5) by layer."""
         self._do("stretch", 0)
         return {k: layer.saved() for k, layer in self.parts.items()}
 
     def seen(self) -> list[Any]:
-        """Values at this rank's active points."""
         return [layer.seen() for layer in self.parts.values()]
 
     def destroy(self) -> None:
-        """Free messages and the vector."""
         self._rows.destroy()
         self._halos.destroy()
         self.solution.destroy()
@@ -202,11 +195,7 @@ class PaperState(State):
     # data
 
     def set_data(self, t: float) -> None:
-        """Evaluate boundary data, jumps and forcing at time t [s].
-
-        If a function of the user's fails, here alone perhaps, the step goes on, and all ranks learn
-        of it when it is complete: see ``fault``.
-        """
+        """Evaluate boundary data, jumps and forcing at time t [s]; errors are the fault."""
         try:
             for layer in self.layers:
                 for end, given in zip(layer.ends, layer.given, strict=True):
@@ -222,10 +211,8 @@ class PaperState(State):
             self._fail(error)
 
     def check_data(self, t_end: float | None = None) -> None:
-        """Fill the solution, not projected, with initial data, and ask for all else at t = 0; walls
-        are at rest.
-
-        InputError, on all ranks, where something is not what it must be.
+        """Fill the solution, not projected, with initial data, and ask for all else at t = 0.
+        InputError, on all ranks.
         """
 
         def fill() -> None:
@@ -260,7 +247,6 @@ class PaperState(State):
             layer.of(f)[:, layer.mine] = layer.owned[:, layer.mine]
 
     def show(self, n: int) -> None:
-        """Let PETSc's vector have the solution."""
         self.unload(n, self.y)
 
     def complete(self) -> None:
@@ -274,7 +260,6 @@ class PaperState(State):
     # checkpoints
 
     def more(self) -> Mapping[str, Array]:
-        """Where the grids of layers lie, and how they move."""
         return dict(zip(FRAME, self._frames(), strict=True))
 
     def take(self, arrays: Mapping[str, Array]) -> None:
