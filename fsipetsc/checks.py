@@ -26,7 +26,10 @@ Ranges = Mapping[str, str]
 NOWHERE = np.empty((0, 1))
 #: what is asked of a value -> how a message says it, and whether a value is such
 KINDS: Mapping[str, tuple[str, Callable[[Any], bool]]] = {
-    "name": ("a line of text without |", lambda v: isinstance(v, str) and _is_name(v)),
+    "name": (
+        "a line of text without |",
+        lambda v: isinstance(v, str) and v.isprintable() and v.strip() != "" and "|" not in v,
+    ),
     "cells": ("a whole number above 0", lambda v: v is None or whole(v)),
     "units": ("'SI' or 'none'", lambda v: v in ("SI", "none", "")),
     "function": ("a function", callable),
@@ -88,10 +91,6 @@ def check(kind: str, value: Any, what: str) -> None:
         raise InputError(f"{what} is {described(value)}: expected {expected}")
 
 
-def _is_name(text: str) -> bool:
-    return text.isprintable() and bool(text.strip()) and "|" not in text
-
-
 def extent(X: Any, what: str) -> tuple[float, float]:
     """(left, right), left < right; InputError."""
     if not isinstance(X, (tuple, list, np.ndarray)) or len(X) != 2:
@@ -111,8 +110,7 @@ def cells_of(ends: tuple[float, float], h: float, what: str) -> int:
     """Cells of about h [m] between the ends of a layer. InputError for more than MOST_CELLS."""
     width = (ends[1] - ends[0]) / h
     if not width < MOST_CELLS:
-        found = f"{what} of length {ends[1] - ends[0]:g} would have {width:.3g} cells"
-        raise InputError(f"{found}; {MOST_CELLS} are too many")
+        raise InputError(f"{what} would have {width:.3g} cells; {MOST_CELLS} are too many")
     return max(1, round(width))
 
 
@@ -126,18 +124,15 @@ def names_of(kind: str, what: str, d: int) -> tuple[str, ...]:
     return ("rho", *(f"rho {c}" for c in u), "e") if what == "forcing" else ("rho", *u, "T")
 
 
-def block_values(
-    block: Any, what: str, X: Array, t: float, active: slice = slice(None)
-) -> list[Array]:
+def block_values(block: Any, what: str, X: Array, t: float) -> list[Array]:
     """Values of initial, exact or forcing of a block or a layer at places X (d, n) at time t [s],
-    (n,) each; rho and T must be above 0. active: the places at which they count. InputError,
-    perhaps on this rank alone.
+    (n,) each; rho and T must be above 0. InputError, perhaps on this rank alone.
     """
     first = what in ("initial", "prestress")
     where = f"{what} of {block}" + ("" if first else f" at t = {t:.6g}")
     names = getattr(block, "unknowns", None) or names_of(block.kind, what, len(X))
     arguments, function = tuple(X) if first else (*X, t), getattr(block, what)
-    return checked(function, arguments, X, names, where, what != "forcing", active)
+    return checked(function, arguments, X, names, where, what != "forcing")
 
 
 def datum(
@@ -164,11 +159,9 @@ def checked(
     names: Sequence[str],
     where: str,
     physical: bool = True,
-    active: slice = slice(None),
 ) -> list[Array]:
     """What a function of the case's returns, an array of (n,) for each name. X: (d, n) places, or
-    NOWHERE for one number each. physical: what is called rho or T must be above 0. active: the
-    places at which values count. InputError.
+    NOWHERE for one number each. physical: what is called rho or T must be above 0. InputError.
     """
     with np.errstate(all="ignore"):  # what comes of it is checked
         values = call(function, tuple(arguments), where)
@@ -178,12 +171,12 @@ def checked(
             found = "nothing (is its return missing?)" if values is None else described(values)
             expected = f"expected {len(names)} values ({', '.join(names)}) in a tuple"
             raise ValueError(f"returns {found}: {expected}")
-        return [_array_of(*one, X, active) for one in zip(values, names, above, strict=True)]
+        return [_array_of(*one, X) for one in zip(values, names, above, strict=True)]
     except (TypeError, ValueError) as error:
         raise InputError(f"{place_of(function)}: {where}: {error}", collective=False) from None
 
 
-def _array_of(value: Any, name: str, positive: bool, X: Array, active: slice) -> Array:
+def _array_of(value: Any, name: str, positive: bool, X: Array) -> Array:
     """One of the values that a function has returned, for all places. ValueError."""
     size = X.shape[1]
     if type(value) is float and isfinite(value) and not positive:
@@ -197,8 +190,8 @@ def _array_of(value: Any, name: str, positive: bool, X: Array, active: slice) ->
         raise ValueError(f"{name} is {described(value)}: expected {wanted}")
     array = array.astype(float, copy=False)
     good = np.isfinite(array) & ((array > 0.0) | (not positive))
-    if not good[active].all():
-        i = (active.start or 0) + int(np.argmin(good[active]))
+    if not good.all():
+        i = int(np.argmin(good))
         at = f" at {place_text(X[:, i])}" if len(X) else ""
         wanted = "a number above 0" if positive else "a finite number"
         raise ValueError(f"{name} = {array[i]:.6g}{at}: expected {wanted}")

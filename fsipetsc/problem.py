@@ -55,9 +55,9 @@ class _Layer:
     def __str__(self) -> str:
         return f"layer '{self.name}'"
 
-    def values(self, what: str, X: Array, t: float = 0.0, active: Any = slice(None)) -> list[Array]:
+    def values(self, what: str, X: Array, t: float = 0.0) -> list[Array]:
         """See ``block_values``; X (n,)."""
-        return block_values(self, what, X[None], t, active)
+        return block_values(self, what, X[None], t)
 
     def fitting(self, h: float) -> int:
         """Cells of the size h [m] that -fsi_h says; a solid must end at a point. InputError."""

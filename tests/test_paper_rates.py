@@ -77,7 +77,7 @@ def disturbed(state):
     state.set_initial()
     rng, y = np.random.default_rng(1), state.solution.getArray().copy()
     for k, layer in enumerate(state.problem.layers):
-        part = state.layers[k].of(y).T
+        part = state.layers[k].of(y).T[state.layers[k].mine]
         size = np.abs(part).max(axis=0)
         if layer.kind == "fluid":
             sound = layer.material.sound_speed(part[0, 2] / part[0, 0] / layer.material.cv)
@@ -102,7 +102,7 @@ def measured(state):
             column
             for layer in state.layers
             for y in (rates, state.solution.getArray())
-            for column in layer.of(y)
+            for column in layer.of(y)[:, layer.mine]
         ]
         columns += [np.array([v]) for v in (state.results[RATE], state.latest["energy"])]
         means = [float(np.mean(np.cos(0.7 * np.arange(len(c))) * c)) for c in columns]

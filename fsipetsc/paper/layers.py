@@ -158,21 +158,21 @@ class Layer(SimpleNamespace):
 
     def set_initial(self) -> None:
         """Fill them with initial data; InputError, here alone perhaps."""
-        fields = self.layer.values("initial", self.X, active=self.mine)
+        own = self.mine
+        fields = self.layer.values("initial", self.X[own])
         if self.layer.exact is not None:  # what is wrong with it is not found out at the end
-            self.layer.values("exact", self.X, 0.0, self.mine)
+            self.layer.values("exact", self.X[own])
         if self.is_gas:
             rho, u, T = fields
             with np.errstate(all="ignore"):  # what comes of it is monitored
                 fields = [rho, rho * u, self.material.total_energy(rho, u, T)]
-        self.owned[:] = fields
+        self.owned[:, own] = fields
 
     def set_forcing(self, t: float) -> None:
         """Evaluate the forcing at time t [s]. InputError, here alone perhaps."""
         if self.forcing is not None:
-            values, own = np.array(self.layer.values("forcing", self.X, t, self.mine)), self.mine
-            self.forcing[:] = 0.0
-            self.forcing[:, slice(*self.own)][:, own] = values[:, own]
+            values = self.layer.values("forcing", self.X[self.mine], t)
+            self.forcing[:, slice(*self.own)][:, self.mine] = values
 
     @np.errstate(all="ignore")
     def saved(self) -> Array:
@@ -193,10 +193,10 @@ class Layer(SimpleNamespace):
     def powers(self, t: float, power: int) -> Array:
         """(unknowns,): h sum |error|^power at t [s] over active points without ghosts; InputError,
         here alone perhaps."""
-        exact = np.array(self.layer.values("exact", self.X, t, self.mine))
-        i, ghost = self.numbers, self.active[self.side] if self.is_gas else -1
-        counted = (i >= self.lo) & (i <= self.hi) & (i != ghost)
-        apart = self.saved()[counted, : len(exact)].T - exact[:, counted]
+        own = self.mine
+        exact = np.array(self.layer.values("exact", self.X[own], t))
+        counted = self.numbers[own] != (self.active[self.side] if self.is_gas else -1)
+        apart = self.saved()[own][counted, : len(exact)].T - exact[:, counted]
         return self.h * np.sum(np.abs(apart) ** power, axis=1)
 
     def seen(self) -> tuple[Any, ...]:
