@@ -119,7 +119,7 @@ def couple(of):
         traditional(of)
     else:
         if of.kind == "projection":
-            (rho, u, _), (T_f, T_s) = of.gas_at(0), temperatures(of)
+            (T_f, T_s), (rho, u, _) = temperatures(of), of.gas_at(0)
             of.put_gas(0, rho, u, T_f)
             of.put_solid(0, T=T_s)
         for _ in each(REFINEMENTS):
