@@ -1,5 +1,6 @@
 """How tests are run; what many of them use."""
 
+import gc
 import os
 import signal
 from collections.abc import Iterator
@@ -32,6 +33,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def pytest_collection_finish(session: pytest.Session) -> None:
     """Processes that share many tests share the processors: ranks wait for each other alone."""
+    gc.freeze()  # what is there by now stays: the collector need not visit it again and again
     shared = getattr(session.config, "workerinput", None)
     if shared is not None and len(session.items) > 300:
         which, every = int(shared["workerid"].removeprefix("gw")), sorted(os.sched_getaffinity(0))

@@ -140,6 +140,8 @@ def axis_of(order, n, periodic, around):
 def gauss(rows, z, inverse_mass):
     """z' nearest to z in the norm of the masses that obeys the rows, which may say the same, and
     their multipliers: force = multiplier * row."""
+    if not rows:
+        return z, np.zeros(0)
     C = np.array([np.concatenate([r.gas, r.solid]) for r in rows]).reshape(-1, len(z))
     B = C * np.sqrt(inverse_mass)
     size = np.sqrt((B * B).sum(axis=1))

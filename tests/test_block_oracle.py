@@ -106,11 +106,12 @@ def check(shape, both, order, faces=closed, t=0.0, most=1e-11, size=0.5, **optio
     for name in q:
         assert np.abs(found[name] - q[name]).max() < 1e-12, name
     check_integrals(engine, oracle.integrals(q, t))
-    expected, found = with_sums(oracle, oracle.rates(q, t)), with_sums(oracle, engine.rates(q, t))
+    own = engine.rates(q, t)
+    expected, found = with_sums(oracle, oracle.rates(q, t)), with_sums(oracle, own)
     size = np.max([np.abs(r).max() for r in expected.values()])
     for name in q:
         assert np.abs(found[name] - expected[name]).max() < most * size, name
-    return oracle, q, engine.rates(q, t)
+    return oracle, q, own
 
 
 def check_sums(oracle, q, rates, both):
@@ -191,13 +192,12 @@ def test_prestress(heat, monkeypatch):
 )
 def test_tiles(shape, both, damping, monkeypatch):
     """The same bits where each block is cut along all axes."""
-    *_, whole = check(shape, both, 4, **damping)
+    oracle, q, whole = check(shape, both, 4, **damping)
     cut = 8 if shape == "line" else 4
     monkeypatch.setattr(gas_sweep, "TILES", dict.fromkeys((1, 2, 3), cut))
     monkeypatch.setattr(gas_sweep, "DEPTH", 2)
     monkeypatch.setattr(solid_sweep, "TILES", ((7, 1), (5, 1), (5, 4)))
-    *_, found = check(shape, both, 4, **damping)
-    np.testing.assert_equal(found, whole)
+    np.testing.assert_equal(Engine(oracle).rates(q), whole)
 
 
 def wobbling(X, t):
