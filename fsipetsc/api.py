@@ -1,8 +1,7 @@
 """Runs from Python: what the command line does, with exceptions instead of exits."""
 
 import os
-from collections.abc import Iterable, Mapping
-from types import SimpleNamespace
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from fsipetsc.blocks.block_problem import BlockProblem
@@ -22,8 +21,7 @@ def run(case: Any, *, comm: Comm | None = None, **options: Any) -> Run:
     are left as they were found, so that several runs in one process do not know of each other.
 
     Args:
-        case: name of a built-in case, path of a case file, a `Problem` or `BlockProblem`, or an
-            object with what a case file defines: `build(opt)`, `OPTIONS` …
+        case: name of a built-in case, path of a case file, a `Problem` or a `BlockProblem`.
         comm: mpi4py communicator; None: COMM_WORLD.
         options: those of the command line, without the dash; `fsi_` and `ts_` may be left out, as
             in `order=6, h=0.025`. A list stands for a value with commas, None for the default.
@@ -58,36 +56,33 @@ def _solve(case: Any, comm: Comm, options: Mapping[str, Any]) -> str:
     """Make the run; returns the path of its result."""
     from fsipetsc.stepping.run import run_given
 
-    def words() -> Iterable[str]:
-        """The options as on the command line. InputError for an unknown name."""
-        known = {name.lower() for name in defaults(loaded)}
-        for name, value in {"quiet": True, **options}.items():
-            if value and name.lower() in ("check", "fsi_check"):
-                raise InputError("run: 'check' makes no result; the command line has -fsi_check")
-            names = name, f"fsi_{name}", f"ts_{name}"  # the beginning may be left out
-            if value is not None:
-                yield f"-{next((full for full in names if full.lower() in known), name)}"
-                yield from () if value is True else (_text(value),)
-
     loaded = together(comm, lambda: _case(case))
-    given = start_petsc(together(comm, lambda: list(words())), comm)
+    given = start_petsc(together(comm, lambda: [*_words(loaded, options)]), comm)
     return os.path.abspath(str(run_given(loaded, given, comm)["fsi_output"]))
 
 
 def _case(case: Any) -> Any:
     """Return what a case file would define. InputError."""
-    if isinstance(case, (Problem, BlockProblem)):
-        given = {"fsi_h": 1.0} if isinstance(case, BlockProblem) else {}  # its cells are given
-        return case_of(case, **given)
     if isinstance(case, (str, os.PathLike)):
         return load_case(os.fspath(case))
-    if not callable(getattr(case, "build", None)):
-        known = "a name, a file, a Problem or something with build(opt)"
-        raise InputError(f"run: a case is {known}, not {type(case).__name__}")
-    module = getattr(case, "__name__", "case").rpartition(".")[2]
-    about: dict[str, Any] = {"NAME": module, "SUMMARY": "", "OPTIONS": (), "DEFAULTS": {}}
-    given = {name: getattr(case, name, default) for name, default in about.items()}
-    return SimpleNamespace(**given, build=case.build)
+    if isinstance(case, BlockProblem):
+        return case_of(case, fsi_h=1.0)  # its cells are given
+    if not isinstance(case, Problem):
+        said = f"is a name, a file, a Problem or a BlockProblem, not {type(case).__name__}"
+        raise InputError(f"run: a case {said}")
+    return case_of(case)
+
+
+def _words(case: Any, options: Mapping[str, Any]) -> Iterator[str]:
+    """Return the options as on the command line, with the beginning of their names."""
+    known = {name.lower() for name in defaults(case)}
+    for name, value in {"quiet": True, **options}.items():
+        if value and name.lower() in ("check", "fsi_check"):
+            raise InputError("run: 'check' makes no result; the command line has -fsi_check")
+        names = name, f"fsi_{name}", f"ts_{name}"
+        if value is not None:
+            yield f"-{next((full for full in names if full.lower() in known), name)}"
+            yield from () if value is True else (_text(value),)
 
 
 def _text(value: Any) -> str:

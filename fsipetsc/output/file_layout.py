@@ -53,16 +53,6 @@ LIBVER = ("v110", "v110")
 _MAGIC = b"fsipetsc checkpoint "
 _CHECKPOINT = 9  # version
 _HEAD = 512  # bytes: HDF5 looks for its own beginning at this place, too
-_XDMF = '<?xml version="1.0" ?>\n<!DOCTYPE Xdmf SYSTEM "Xdmf.dtd" []>\n<Xdmf Version="2.0">\n'
-_SERIES = '<Domain><Grid Name="{}" GridType="Collection" CollectionType="Temporal">\n'
-_FRAME = """<Grid Name="frame {}" GridType="Collection" CollectionType="Spatial">
-<Time Value="{!r}"/>
-"""
-_BLOCK = """<Grid Name="{}" GridType="Uniform">
-<Topology TopologyType="3DSMesh" Dimensions="{}"/>
-<Geometry GeometryType="{}">{}</Geometry>
-"""
-_FIELD = '<Attribute Name="{}" AttributeType="{}" Center="Node">{}</Attribute>\n'
 
 
 @contextmanager
@@ -250,39 +240,43 @@ def write_xdmf(run: Any) -> None:
     OSError.
     """
     target = beside(run.path, ".xdmf")
-    if target.exists() and not target.read_text(errors="replace").startswith(_XDMF):
+    if target.exists() and b"<Xdmf" not in target.read_bytes()[:200]:
         raise FileError(f"{target}: is no XDMF of a result, and is left; {run.path} is complete")
-    text = [_XDMF, _SERIES.format(escape(run.case))]
+    frames = []
     for frame, t in enumerate(run.time.tolist()):
-        text.append(_FRAME.format(frame, t))
-        text += [_block(run, k, frame) for k in range(len(run.layers))]
-        text.append("</Grid>\n")
-    put(target, "".join([*text, "</Grid></Domain>\n</Xdmf>\n"]).encode())
+        blocks = "".join(_block(run, k, frame) for k in range(len(run.layers)))
+        about = {"Name": f"frame {frame}", "GridType": "Collection", "CollectionType": "Spatial"}
+        frames.append(_tag("Grid", _tag("Time", Value=repr(t)) + blocks, **about) + "\n")
+    about = {"Name": run.case, "GridType": "Collection", "CollectionType": "Temporal"}
+    series = _tag("Grid", "".join(frames), **about)
+    put(target, _tag("Xdmf", _tag("Domain", series), Version="2.0").encode())
+
+
+def _tag(name: str, content: str = "", **attributes: str) -> str:
+    about = "".join(f' {key}="{escape(text)}"' for key, text in attributes.items())
+    return f"<{name}{about}>{content}</{name}>"
 
 
 def _block(run: Any, k: int, frame: int) -> str:
-    layer, group = run.layers[k], f"{escape(os.path.basename(run.path))}:/layer{k}"
-    d, shape = run.dimension, " ".join(map(str, layer.shape))
-    grid = f"1 {shape}" if d == 2 else shape
+    layer, d, file = run.layers[k], run.dimension, escape(os.path.basename(run.path))
+    shape = " ".join(map(str, layer.shape))
+    size = f"1 {shape}" if d == 2 else shape
+    number = {"NumberType": "Float", "Precision": "8", "Format": "HDF"}
 
     def slab(field: str) -> str:
-        return (
-            f'<DataItem ItemType="HyperSlab" Dimensions="{grid}">'
-            f'<DataItem Dimensions="3 {d + 1}" Format="XML">'
-            f"{frame}{' 0' * d} 1{' 1' * d} 1 {shape}</DataItem>"
-            f'<DataItem Dimensions="{run.nframes} {shape}" NumberType="Float" Precision="8" '
-            f'Format="HDF">{group}/{field}</DataItem></DataItem>'
-        )
+        part, source = f"{frame}{' 0' * d} 1{' 1' * d} 1 {shape}", f"{file}:/layer{k}/{field}"
+        items = _tag("DataItem", part, Dimensions=f"3 {d + 1}", Format="XML")
+        items += _tag("DataItem", source, Dimensions=f"{run.nframes} {shape}", **number)
+        return _tag("DataItem", items, ItemType="HyperSlab", Dimensions=size)
 
     def vectors(fields: str) -> str:
-        function = ", ".join(f"${k}" for k in range(d))
-        return (
-            f'<DataItem ItemType="Function" Function="JOIN({function})" Dimensions="{grid} {d}">'
-            f"{''.join(map(slab, fields[:d]))}</DataItem>"
-        )
+        join = f"JOIN({', '.join(f'${n}' for n in range(d))})"
+        about = {"ItemType": "Function", "Function": join, "Dimensions": f"{size} {d}"}
+        return _tag("DataItem", "".join(map(slab, fields[:d])), **about)
 
-    names = (name for name in layer.fields if name not in "xyz"[:d])
-    fields = [_FIELD.format(name, "Scalar", slab(name)) for name in names]
-    fields.append(_FIELD.format("velocity", "Vector", vectors("uvw")))
-    head = _BLOCK.format(escape(layer.name), grid, "XYZ"[:d], vectors("xyz"))
-    return f"{head}{''.join(fields)}</Grid>\n"
+    known = {name: ("Scalar", slab(name)) for name in layer.fields if name not in "xyz"[:d]}
+    parts = [_tag("Topology", TopologyType="3DSMesh", Dimensions=size)]
+    parts.append(_tag("Geometry", vectors("xyz"), GeometryType="XYZ"[:d]))
+    for name, (kind, data) in {**known, "velocity": ("Vector", vectors("uvw"))}.items():
+        parts.append(_tag("Attribute", data, Name=name, AttributeType=kind, Center="Node"))
+    return _tag("Grid", "".join(parts), Name=layer.name, GridType="Uniform")

@@ -32,8 +32,6 @@ from fsipetsc.output.reader import Run, open_run
 from fsipetsc.process.together import together
 
 Result = TypeVar("Result")
-#: what a restart keeps of a result: frames, steps, and the time [s] at the end of the last step
-Kept = tuple[int, int, float]
 #: a piece is written after so many frames, bytes of a rank, or seconds
 FRAMES, BYTES, SECONDS = 256, 64 << 20, 2.0
 _SPARE = 1 << 16  # bytes for what HDF5 needs besides the numbers
@@ -51,8 +49,9 @@ class RunWriter:
                     points in order
     take_series     hands over, on rank 0, the steps since the last time, as an array of records
                     with "t" first, which may be overwritten later. All ranks call it
-    after           what is kept of a result of this name and this run (header["run"]), after which
-                    the writer goes on. Where there is none a new one begins
+    after           what a restart keeps of a result of this name and this run (header["run"]):
+                    frames, steps, and the time [s] at their end. Where there is none a new one
+                    begins
     checkpoint      of another run, if there is one: it gets a new name, as an earlier result does
     moved           on rank 0, old and new names of what an earlier run has left
 
@@ -66,7 +65,7 @@ class RunWriter:
         header: Mapping[str, Any],
         grids: Sequence[Array],
         take_series: Callable[[], Array],
-        after: Kept | None = None,
+        after: tuple[int, int, float] | None = None,
         checkpoint: Path | None = None,
     ) -> None:
         self._comm, self._root, self._take_series = comm, comm.rank == 0, take_series
@@ -77,7 +76,7 @@ class RunWriter:
         size = 8 * int(np.dot(self._points, self._widths))
         self._capacity = max(1, min(FRAMES, BYTES * comm.size // max(1, size)))
         self._begun = time.monotonic()
-        self._next_flush = self._begun + SECONDS
+        self._next_flush = self._begun + SECONDS  # rank 0's clock decides for all
         self._frames: list[list[Array]] = []  # not yet written: of each layer (local, columns)
         self._times: list[float] = []  # of these
         self._new_rows: list[Array] = []  # likewise; on rank 0
@@ -99,24 +98,25 @@ class RunWriter:
         self._frames.append([np.array(of, float) for of in {**none, **fields}.values()])
         self._times.append(t)
         self.nframes += 1
-        if len(self._frames) >= self._capacity or self._late():
-            self.flush()
+        self.write_series(at_once=len(self._frames) >= self._capacity)
 
-    def write_series(self) -> None:
-        """Take the steps that have been made, and write them if it is time. Collective."""
-        self._take()
-        if self._late():
-            self.flush()
-
-    def flush(self) -> None:
-        """Write all that is held in memory. Collective."""
-        begun = time.monotonic()
-        self._take()
-        if self._comm.bcast(bool(self._frames or self._new_rows)):
+    def write_series(self, at_once: bool = False) -> None:
+        """Take the steps that have been made; write all that is held in memory at once, or if it is
+        time. Collective.
+        """
+        begun, rows = time.monotonic(), self._take_series()
+        if self._root and len(rows):
+            self._new_rows.append(rows.copy())
+        held, due = bool(self._frames or self._new_rows), at_once or begun >= self._next_flush
+        if self._comm.bcast(held and due):
             self._piece()
             now = time.monotonic()
             # writing takes at most 2 % of the time, and a long run has some hundred pieces at most
             self._next_flush = now + max(SECONDS, 50 * (now - begun), 0.01 * (now - self._begun))
+
+    def flush(self) -> None:
+        """Write all that is held in memory. Collective."""
+        self.write_series(at_once=True)
 
     def finish(
         self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None = None, join: bool = True
@@ -124,7 +124,7 @@ class RunWriter:
         """Write the rest, the summary and, if known, the errors of the solution; join the pieces
         into one file, which takes as long as it is large. Collective.
         """
-        self._take()
+        self.flush()
         self._about |= _plain({"summary": summary, "errors": errors or {}})
         self._piece()
         if join:
@@ -172,17 +172,7 @@ class RunWriter:
         for written in (self._frames, self._times, self._new_rows):
             written.clear()
 
-    def _take(self) -> None:
-        """Take the steps that have been made. Collective."""
-        rows = self._take_series()
-        if self._root and len(rows):
-            self._new_rows.append(rows.copy())
-
     # failing together
-
-    def _late(self) -> bool:
-        """Tell whether it is time to write: rank 0's clock decides for all. Collective."""
-        return bool(self._comm.bcast(self._root and time.monotonic() >= self._next_flush))
 
     def _on_root(self, action: Callable[[], Result]) -> Result:
         """Return the value of `action` on rank 0, for all ranks; its failure too. Collective."""
@@ -202,7 +192,9 @@ class RunWriter:
     def _draft(self) -> Path:
         return layout.piece(self.folder, self._number, ".new")
 
-    def _begin(self, after: Kept | None, checkpoint: Path | None) -> tuple[int, int]:
+    def _begin(
+        self, after: tuple[int, int, float] | None, checkpoint: Path | None
+    ) -> tuple[int, int]:
         """Make the folder. Its first piece is what is kept; another result of this name gets a new
         name. Return how many frames and rows are kept.
         """
@@ -231,7 +223,7 @@ class RunWriter:
             clear(self.folder)
         return after[:2] if kept else (0, 0)
 
-    def _join(self, after: Kept | None = None) -> None:
+    def _join(self, after: tuple[int, int, float] | None = None) -> None:
         """Make one file of all pieces, or of what is kept of a result."""
         run = open_run(self.path)
         ends = run.series.get("t", np.empty(0))
