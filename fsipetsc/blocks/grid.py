@@ -34,9 +34,9 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.blocks.block import Block, Range, mesh
+from fsipetsc.blocks.block import Block, Range
 from fsipetsc.blocks.block_problem import BlockProblem
-from fsipetsc.blocks.hull import blend_of, hull_of
+from fsipetsc.blocks.hull import blend_of, hull_of, put_on_faces
 from fsipetsc.blocks.metrics import Wide, cube_of, slopes_across, slopes_along
 from fsipetsc.checks import Array
 from fsipetsc.equations.tensors import cofactor, determinant
@@ -202,9 +202,8 @@ def pair(f, at):
 
 class Cube(Grid):
     """A grid in three dimensions. y: (3, W), of a Wide; x, moved: (3, W) places less those of
-    linear maps, volume: (N,) det D x. faces: (2, F) wide nodes that derivatives on faces at
-    constraints reach, and their columns of the hull; ahead, back: (9, N) a^k there if nodes go on
-    with their velocity for 1 s, and where they were 1 s before. address, kept: see `cube_of`.
+    linear maps, volume: (N,) det D x. ahead, back: (9, N) a^k on faces at constraints if nodes go
+    on with their velocity for 1 s, and where they were 1 s before. address, kept: see `cube_of`.
     """
 
     def prepare(self, block: Block, wide: Wide, faces: Any) -> None:
@@ -212,15 +211,11 @@ class Cube(Grid):
         self.volume = np.zeros(int(np.prod(self.range.sizes)))
         self.ahead, self.back = np.zeros((2, 9, self.volume.size))
         self.address, self.kept = cube_of(wide, faces)
-        shape, index = block.shape, mesh([np.arange(*ends) for ends in wide.wide])
-        on_faces = (index[a] == wide.where[a][0] + i for a, i in faces)
-        at = sum(on_faces, np.zeros(index[0].shape, bool))
-        numbers = np.ravel_multi_index([i[at] for i in index], shape, "wrap", "F")
-        self.faces = np.stack([np.flatnonzero(at), np.searchsorted(self.hull.nodes, numbers)])
 
     def edge(self, known, metrics):
         self.hull.fill(self.hull.moved, known, 0)
-        self.put_faces(self.x, self.y, 1.0, self.hull.moved)
+        for c in range(3):
+            put_on_faces(self.x[c], self.wide.faces, self.hull.moved[c], self.y[c])
         invoke("cube_faces", self.address, self.x, metrics)
 
     def move(self, metrics):
@@ -230,15 +225,9 @@ class Cube(Grid):
     def turn(self):
         """Find ahead and back, after `swing`."""
         for sign, areas in ((1.0, self.ahead), (-1.0, self.back)):
-            self.put_faces(self.moved, self.x, sign, self.hull.moving)
+            for c in range(3):
+                put_on_faces(self.moved[c], self.wide.faces, self.hull.moving[c], self.x[c], sign)
             invoke("cube_faces", self.address, self.moved, areas)
-
-    def put_faces(self, out, base, sign, values):
-        """out = base + sign values, of the hull, on faces at constraints."""
-        for c in each(3):
-            for i in each(self.faces.shape[1]):
-                n = self.faces[0, i]
-                out[c, n] = base[c, n] + sign * values[c, self.faces[1, i]]
 
     def find_volumes(self):
         invoke("cube_volumes", self.address, self.x, self.volume)

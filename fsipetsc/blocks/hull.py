@@ -17,12 +17,12 @@ import numpy as np
 from fsipetsc.blocks.block import Block, mesh
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.checks import Array
-from fsipetsc.kernels.loops import each, named, when
+from fsipetsc.kernels.loops import each, named
 from fsipetsc.kernels.symbols import exact
 
 
 class Hull(NamedTuple):
-    """nodes: numbers (H,) of the nodes, ascending. given: columns (M,) of those that are known.
+    """nodes: numbers (H,) of those on faces, ascending. given: columns (M,) of what is known.
 
     columns, weights: (9, T) and (d, 4, T), of nodes that follow: the node, its edges low a, high a,
     low b, high b, four vertices; weights of the edges. moved, moving: (d, H) values, one 0 where no
@@ -58,7 +58,7 @@ def hull_of(block: Block, given: Array, centred: bool) -> Hull:
     r = 0.
     """
     d, shape, last = block.dimension, block.shape, [n - 1 for n in block.shape]
-    faces = [block.face_nodes(*face) for face in block.faces]
+    faces = [block.face_nodes(*f) for f in block.faces if not (centred and f == (d - 1, 0))]
     nodes = np.unique(np.concatenate([np.zeros(0, int), *faces]))
     index, known = np.array(np.unravel_index(nodes, shape, order="F")), np.isin(nodes, given)
     columns, weights = [np.zeros((9, 0), int)], [np.zeros((d, 4, 0))]
@@ -113,19 +113,14 @@ class BlendAxis(NamedTuple):
 
 class Window(NamedTuple):
     """A range of the nodes of a blend: the first one and how many there are along three axes.
-    ends: for both sides, where the face of each axis is in the range, -1: not there. images: (2, I)
-    numbers, within the range and the I images before it, of images before a centre and of the nodes
-    that they mirror.
+    Numbers of nodes, of the range and of the I images before it, are in faces: (2, F), beside those
+    in the hull, and in images: (2, I), before a centre, beside those of the nodes that they mirror.
     """
 
     first: Any
     sizes: Any
-    ends: Any
+    faces: Array
     images: Array
-
-    def number(self, x, y, z):
-        """The number of a node by its place in the range along each axis."""
-        return self.images.shape[1] + x + self.sizes[0] * (y + self.sizes[1] * z)
 
 
 class Blend(NamedTuple):
@@ -145,10 +140,9 @@ class Blend(NamedTuple):
         for c in each(values.shape[0]):
             of_base = None if base is None else base[c]
             for n, k in enumerate(self.order):
-                find_missing(self, self.order[:n], int(k), c, values[c])
-            add_between(self, c, out[c], window, of_base)
-            for k in self.order:
-                put_faces(self, int(k), values[c], out[c], window, of_base)
+                self.find_missing(self.order[:n], int(k), c, values[c])
+            self.add_between(c, out[c], window, of_base)
+            put_on_faces(out[c], window.faces, values[c], of_base)
             for i in each(images.shape[1]):
                 out[c, images[0, i]] = out[c, images[1, i]]
         for i in each(images.shape[1]):
@@ -167,6 +161,34 @@ class Blend(NamedTuple):
         """The number of a node among those of a face of axis k."""
         a, b = (m for m in range(3) if m != k)
         return at[a] + self.sizes[a] * at[b]
+
+    def find_missing(self, before, k, c, f):
+        """Find what is missing at both faces of axis k, after the axes before it."""
+        axis, (a, b) = self.axes[k], (m for m in range(3) if m != k)
+        for j in each(self.sizes[b]):
+            for i in each(self.sizes[a], vector=True):
+                for side, end in enumerate((0, self.sizes[k] - 1)):
+                    at = {a: i, b: j, k: end}
+                    m = self.at_face(k, at)
+                    axis.missing[side, m] = f[axis.columns[side, m]] - self.between(before, c, at)
+
+    def add_between(self, c, out, window, base):
+        """Fill a window with the sum of all axes."""
+        x0, y0, z0 = window.first
+        nx, ny, nz = window.sizes
+        for z in each(nz):
+            for y in each(ny):
+                row = named(window.images.shape[1] + nx * (y + ny * z))
+                for x in each(nx, vector=True):
+                    u = self.between(self.order, c, (x0 + x, y0 + y, z0 + z))
+                    out[row + x] = u if base is None else base[row + x] + u
+
+
+def put_on_faces(out, faces, values, base=None, sign=1.0):
+    """Put values of the hull, added to a base if there is one, on faces, to the bit."""
+    for i in each(faces.shape[1]):
+        n, value = faces[0, i], sign * values[faces[1, i]]
+        out[n] = value if base is None else base[n] + value
 
 
 def blend_of(
@@ -189,57 +211,17 @@ def blend_of(
         axes[k] = BlendAxis(columns, weights, np.zeros(columns.shape))
 
     def window(ranges: Any) -> Window:
-        first, sizes, ends = [0, 0, 0], [1, 1, 1], [[-1, -1, -1], [-1, -1, -1]]
-        for k, (begin, end) in enumerate(ranges):
-            begin = begin if block.periodic[k] else max(begin, 0)
-            first[k], sizes[k] = int(np.searchsorted(index[k], begin)), end - begin
-            first_side = 1 if centred and k == d - 1 else 0  # the centre is no end
-            for side in () if block.periodic[k] else range(first_side, 2):
-                face = side * (shape[k] - 1)
-                ends[side][k] = face - begin if begin <= face < end else -1
+        begins = [b if closed else max(b, 0) for (b, _), closed in zip(ranges, block.periodic)]
+        first = [*map(int, map(np.searchsorted, index, begins)), 0, 0][:3]
+        sizes = [*(end - begin for begin, (_, end) in zip(begins, ranges)), 1, 1][:3]
+        at = mesh([np.arange(b, end) for b, (_, end) in zip(begins, ranges)])
+        numbers = np.ravel_multi_index(at, shape, "wrap", "F").ravel()
+        on = np.flatnonzero(np.isin(numbers, nodes))
         layer, images = int(np.prod(sizes[: d - 1])), centred * max(-ranges[-1][0], 0)
         rows = np.arange(images * layer).reshape(images, layer)
         pairs = np.stack([rows.ravel(), (images * layer + rows[::-1]).ravel()])
-        return Window(tuple(first), tuple(sizes), tuple(map(tuple, ends)), pairs)
+        on_faces = np.stack([images * layer + on, np.searchsorted(nodes, numbers[on])])
+        return Window(tuple(first), tuple(sizes), on_faces, pairs)
 
     blend = Blend(tuple(axes), tuple([*map(len, index), 1, 1][:3]), order)
     return blend, window(wide.wide), window(wide.where)
-
-
-def find_missing(blend, before, k, c, f):
-    """Find what is missing at both faces of axis k, after the axes before it."""
-    axis, (a, b) = blend.axes[k], (m for m in range(3) if m != k)
-    for j in each(blend.sizes[b]):
-        for i in each(blend.sizes[a], vector=True):
-            for side, end in enumerate((0, blend.sizes[k] - 1)):
-                at = {a: i, b: j, k: end}
-                m = blend.at_face(k, at)
-                axis.missing[side, m] = f[axis.columns[side, m]] - blend.between(before, c, at)
-
-
-def add_between(blend, c, out, window, base):
-    """Fill a window with the sum of all axes."""
-    x0, y0, z0 = window.first
-    nx, ny, nz = window.sizes
-    for z in each(nz):
-        for y in each(ny):
-            row = named(window.number(0, y, z))
-            for x in each(nx, vector=True):
-                u = blend.between(blend.order, c, (x0 + x, y0 + y, z0 + z))
-                out[row + x] = u if base is None else base[row + x] + u
-
-
-def put_faces(blend, k, f, out, window, base):
-    """Put the values on faces of axis k, to the bit, where they are in the window."""
-    axis, (a, b) = blend.axes[k], (m for m in range(3) if m != k)
-    first, sizes = window.first, window.sizes
-    for side in (0, 1):
-        end = window.ends[side][k]
-        with when(end >= 0):
-            for j in each(sizes[b]):
-                for i in each(sizes[a]):
-                    place = {k: end, a: i, b: j}
-                    at = window.number(*(place[n] for n in range(3)))
-                    m = blend.at_face(k, {n: first[n] + place[n] for n in range(3)})
-                    value = f[axis.columns[side, m]]
-                    out[at] = value if base is None else base[at] + value
