@@ -85,7 +85,6 @@ def test_ledgers(convection):
         before = run.latest.copy()
         run.step(2e-2, 10)
         after, work = run.latest, run.of_faces("force_work")[0]
-        assert run.invariants["potential"] == (convection == "entropy")
     assert before["potential_energy"] == pytest.approx(-(0.3 * 1.0 - 0.7 * 0.5) * 2.05, rel=0.2)
     change = after["potential_energy"] - before["potential_energy"]
     assert abs(change) > 1e-3

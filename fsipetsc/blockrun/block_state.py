@@ -364,12 +364,6 @@ class BlockState(State):
         return saved.fields_of(block.kind, block.dimension, self.problem.symmetry)
 
     @property
-    def invariants(self) -> dict[str, Any]:
-        """Those of the problem that hold in this form (fsipetsc.scheme.gas_terms)."""
-        found = self.problem.invariants
-        return {**found, "potential": found["potential"] and not self.loose}
-
-    @property
     def points(self) -> int:
         return sum(map(math.prod, self.shapes))
 

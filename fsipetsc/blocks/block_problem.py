@@ -112,7 +112,7 @@ class BlockProblem:
 
     def _pairs(self, *kinds: str) -> list[tuple[int, int]]:
         """Blocks of these two kinds that have faces in common."""
-        every = {(k, met) for k, own in enumerate(self.kinds) for met in own.values()}
+        every = ((k, met) for k, own in enumerate(self.kinds) for met in own.values())
         found = {(k, met.block) for k, met in every if isinstance(met, Meeting)}
         wanted = (pair for pair in found if tuple(self.blocks[k].kind for k in pair) == kinds)
         return sorted(wanted, key=sorted)
@@ -219,9 +219,8 @@ class BlockProblem:
         """What must not change, as JSON has it: see fsipetsc.scheme.observables.
 
         Less what comes in through faces and by forces, the mass of each body of gas, momentum and
-        energy; energy with the potential energy of constant forces where no mass comes in and grids
-        of gas are at rest; the entropy of gases, where it is known, nothing comes in, and they give
-        no heat to solids.
+        energy; the entropy of gases, where it is known, nothing comes in, and they give no heat to
+        solids.
         """
         blocks, outer = self.blocks, self.outer_faces.values()
         solids = [block for block in blocks if block.kind == "solid"]
@@ -234,10 +233,6 @@ class BlockProblem:
             and all(condition.conserves_energy for condition in outer)
             and not (shared or self._forced)
         )
-        moving = gases and (self.interfaces or any(c.moves for c in outer))
-        forces = [(blocks[k].periods, blocks[k].material.force) for k in gases]
-        falling = any(np.any(periods @ force) for periods, force in forces if any(force))
-        passing = any(condition.passes == "gas" for condition in outer)
         masses = [solid.material.m0 * size_of(solid, self.symmetry) for solid in solids]
         capacities = [m * solid.material.alpha for m, solid in zip(masses, solids, strict=True)]
         joins = np.array(self._pairs("fluid", "fluid"), int).reshape(-1, 2).T
@@ -249,7 +244,6 @@ class BlockProblem:
             # along r pressure acts around an axis, too
             "momentum": "xyz"[: self.dimension - (self.symmetry > 0)],
             "energy": True,
-            "potential": self.pulled and not (passing or falling or self._forced or moving),
             "entropy": entropy,
             "inertia": sum(masses),
             "heat_capacity": sum(capacities),

@@ -34,7 +34,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.blocks.block import Block, Range
+from fsipetsc.blocks.block import Range
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.hull import blend_of, hull_of, put_on_faces
 from fsipetsc.blocks.metrics import Wide, cube_of, slopes_across, slopes_along
@@ -55,7 +55,9 @@ class Grid(SimpleNamespace):
 
     Procedures get known: (M, 2d) displacements [m] and velocities [m/s] of the given nodes, and
     metrics: (d d + d, N), a^1 … a^d and the velocity of the grid; around an axis or a centre A is
-    one more row. like: d zeros, hoops: kappa zeros.
+    one more row. like: d zeros, hoops: kappa zeros. `prepare` makes room, and finds what does not
+    move; `edge` finds where the grid's faces are, and a^k on those at constraints, or everywhere if
+    that is little work.
     """
 
     #: of the axes whose faces are blended
@@ -67,17 +69,7 @@ class Grid(SimpleNamespace):
         self.hull = hull_of(block, nodes, centred)
         found = blend_of(block, wide, self.hull.nodes, self.order, centred)
         self.blend, self.wide, self.range = found
-        self.prepare(block, wide, faces)
-
-    def prepare(self, block: Block, wide: Wide, faces: Any) -> None:
-        """Make room, and find what does not move."""
-        raise NotImplementedError
-
-    def edge(self, known, metrics):
-        """Find where the grid's faces are, and a^k on those at constraints, or everywhere if that
-        is little work.
-        """
-        raise NotImplementedError
+        self.prepare(wide, faces)
 
     def move(self, metrics):
         """Find where the grid is and a^k, as far as `edge` has not."""
@@ -103,7 +95,7 @@ class Grid(SimpleNamespace):
 class Line(Grid):
     """A grid in one dimension."""
 
-    def prepare(self, block: Block, wide: Wide, faces: Any) -> None:
+    def prepare(self, wide: Wide, faces: Any) -> None:
         self.slope = np.ascontiguousarray(wide.gradients()[0, 0])
 
     def edge(self, known, metrics):
@@ -122,7 +114,7 @@ class Plane(Grid):
 
     order = "10"
 
-    def prepare(self, block: Block, wide: Wide, faces: Any) -> None:
+    def prepare(self, wide: Wide, faces: Any) -> None:
         self.slopes = np.ascontiguousarray(wide.gradients().reshape(4, -1))
         self.along, self.across = (self.faces_along(wide, axis) for axis in (0, 1))
         corners = self.blend.axes[1].columns[:, [0, -1]] if len(self.blend.order) == 2 else ()
@@ -206,7 +198,7 @@ class Cube(Grid):
     on with their velocity for 1 s, and where they were 1 s before. address, kept: see `cube_of`.
     """
 
-    def prepare(self, block: Block, wide: Wide, faces: Any) -> None:
+    def prepare(self, wide: Wide, faces: Any) -> None:
         self.y, (self.x, self.moved) = wide.y, zeros((2, *wide.y.shape))
         self.volume = np.zeros(int(np.prod(self.range.sizes)))
         self.ahead, self.back = np.zeros((2, 9, self.volume.size))
@@ -242,7 +234,7 @@ class Radial(Grid):
     d a^k/dt in two dimensions; bounds: (d d + d + 1, N) metrics by which steps are bounded.
     """
 
-    def prepare(self, block: Block, wide: Wide, faces: Any) -> None:
+    def prepare(self, wide: Wide, faces: Any) -> None:
         (d, W), self.before = wide.y.shape, (1, *wide.sizes[:-1])
         self.inner = wide.inner(np.arange(W))
         self.y, self.P, self.S, self.weight = wide.y, wide.P, wide.S, wide.weight

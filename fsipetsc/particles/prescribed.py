@@ -64,7 +64,7 @@ class Prescribed:
     ) -> None:
         self._problem, self._every, self._instant = problem, particles, instant
         self._particles = [particles[p] for p in here]
-        self._row = {p: row for row, p in enumerate(here.tolist())}
+        self._row = {p: [row] for row, p in enumerate(here.tolist())}
         n, d = here.size, problem.dimension
         self.data = Data(*np.zeros((6, n, d)), *np.zeros((2, n)), np.zeros((n, d + 2)))
         first = (particle.members[0] for particle in self._particles)
@@ -72,41 +72,38 @@ class Prescribed:
         self._x = np.array(places).reshape(n, d)
         self.sources = [
             Source(condition, make, self._x[who].T, who, *targets)
-            for condition, every, make, targets in self._sources_of()
-            for who in [self._here(every)]
+            for condition, who, make, targets in self._sources_of()
         ]
 
-    def _here(self, every: Sequence[int]) -> Array:
-        """Which particles of this rank are among some of the problem."""
-        return np.array([self._row[p] for p in every if p in self._row], np.int64)
-
-    def _grouped(self, name: str) -> list[tuple[Any, list[int]]]:
-        """(condition, numbers of its particles in the problem), for each one of this name."""
-        found: dict[int, tuple[Any, list[int]]] = {}
+    def _grouped(self, name: str) -> list[tuple[Any, Array, Any]]:
+        """For each condition of this name, and each law of a gas there: the condition, which
+        particles of this rank have it, the number of the law.
+        """
+        found: dict[tuple[int, int], tuple[Any, list[int], int]] = {}
         for p, particle in enumerate(self._every):
             if name in particle.faces:
-                condition = particle.faces[name].met
-                found.setdefault(id(condition), (condition, []))[1].append(p)
-        return list(found.values())
+                condition, law = particle.faces[name].met, self._problem.law_at(particle.members)
+                group = found.setdefault((id(condition), law), (condition, [], law))
+                group[1].extend(self._row.get(p, []))
+        return [(condition, np.array(who, np.int64), law) for condition, who, law in found.values()]
 
-    def _sources_of(self) -> Iterator[tuple[Any, list[int], Make, tuple[Array, ...]]]:
-        """Where data come from: condition, numbers of its particles in the problem, formula (x, t)
-        of numbers or symbols, where these go. What comes later holds.
+    def _sources_of(self) -> Iterator[tuple[Any, Array, Make, tuple[Array, ...]]]:
+        """Where data come from: condition, its particles here, formula (x, t) of numbers or
+        symbols, where these go. What comes later holds.
         """
-        out, problem, grouped = self.data, self._problem, self._grouped
+        out, laws, grouped = self.data, self._problem.gas_laws, self._grouped
         walls = sorted(grouped("slip") + grouped("wall"), key=lambda group: group[0].moves)
-        walls += [(c, who) for c, who in grouped("given_gas") if c.moves]
+        walls += [group for group in grouped("given_gas") if group[0].moves]
         for groups, targets in (walls, out[:3]), (grouped("clamp"), out[3:6]):
-            yield from ((c, who, partial(motion, c, self._instant), targets) for c, who in groups)
+            for c, who, _ in groups:
+                yield c, who, partial(motion, c, self._instant), targets
         for name, T in (("warm_gas", out.T), ("warm_solid", out.T_solid)):
-            for c, who in grouped(name):
+            for c, who, _ in grouped(name):
                 if not c.all_given:
                     yield c, who, lambda x, t, c=c: (positive(asked(c, "T", x, t)),), (T,)
-        for c, who in grouped("given_gas"):
-            for number, law in enumerate(problem.gas_laws):
-                of = [p for p in who if problem.law_at(self._every[p].members) == number]
-                yield from [(c, of, partial(gas_of, c, law), (out.gas,))] if of else ()
-        for c, who in grouped("given_solid"):
+        for c, who, law in grouped("given_gas"):
+            yield c, who, partial(gas_of, c, laws[law]), (out.gas,)
+        for c, who, _ in grouped("given_solid"):
             yield c, who, partial(solid_of, c), (out.clamp, out.clamp_velocity, out.T_solid)
 
     def refresh(self, t: float) -> None:
@@ -121,7 +118,7 @@ class Prescribed:
         """
         times = [part * t_end for part in TIMES]
         for name in ("wall", "slip", "given_gas", "clamp"):
-            for c, who in ((c, self._here(every)) for c, every in self._grouped(name)):
+            for c, who, _ in self._grouped(name):
                 if not c.velocity or not who.size:
                     continue
                 about = f"{place_of(c.velocity)}: velocity of {type(c).__name__}"

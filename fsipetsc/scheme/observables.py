@@ -108,10 +108,8 @@ class Drifts:
     has the sums of what has gone before.
 
     On blocks these are masses, all components of momentum, and energy, less all that comes in
-    through faces and by body forces; with the potential energy of constant forces in the place of
-    their work where no mass comes in and grids are at rest; the entropy of gases where nothing
-    comes in and solids take no heat from them. Of the paper's method the mass of a gas layer behind
-    a wall is held.
+    through faces and by body forces; the entropy of gases where nothing comes in and solids take no
+    heat from them. Of the paper's method the mass of a gas layer behind a wall is held.
 
     invariants: which ones must hold (fsipetsc.blocks.block_problem.BlockProblem.invariants).
     initial: the integrals at t = 0. memory: of the steps before the first one. Entropy counts only
@@ -146,11 +144,6 @@ class Drifts:
         if held["energy"]:
             came = self._sum("energy", series["energy_in"]) if "energy_in" in series else 0.0
             found["energy"] = (series["energy"] - came) / first["energy"] - 1
-        if held.get("potential"):
-            came = self._sum("energy without work", series["energy_in"] - series["force_work"])
-            names = "energy", "potential_energy"
-            change = sum(series[name] - first[name] for name in names) - came
-            found["energy with potential energy"] = change / max(abs(first[n]) for n in names)
         if held.get("entropy"):
             produced = series["entropy"] - first["entropy"]
             before = self.memory.get("entropy produced", 0.0)
