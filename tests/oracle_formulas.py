@@ -64,7 +64,7 @@ class Block(NamedTuple):
 
 # conditions, as those of fsipetsc.blocks.conditions; T: a number or T(X, t); motion: places (X, t)
 NoSlip = namedtuple("NoSlip", "T heat_flux motion", defaults=(None, None, None))
-Slip = namedtuple("Slip", "name motion", defaults=("", None))
+Slip = namedtuple("Slip", "motion", defaults=(None,))
 Open = namedtuple("Open", "rho u T")
 Outflow = namedtuple("Outflow", "pressure")
 Given = namedtuple("Given", "values motion", defaults=(None,))

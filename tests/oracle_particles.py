@@ -79,25 +79,23 @@ class Particles(Volume):
 
     def _group_slips(self, p):
         """Faces along which the gas slips, at walls or solids, are one constraint unless they meet
-        at a concave edge. Walls with names are one if the names are, and else not. Where gas sticks
-        to a solid, a roller of it holds both in the place of a wall along the same plane."""
+        at a concave edge. Where gas sticks to a solid, a roller of it holds both in the place of a
+        wall along the same plane."""
         sticks = self._sticks(p)
-        found = [] if sticks else [(f, "") for f in p.contact]
+        found = [] if sticks else [*p.contact]
         rolls = [self._directions(f)[0] for f in p.outer if isinstance(f.condition, Roller)]
         for f in (f for f in p.outer if isinstance(f.condition, Slip)):
             if not (sticks and any(self._directions(f)[0] @ n > 0.8 for n in rolls)):
-                found.append((f, f.condition.name))
+                found.append(f)
         groups = []
-        for face in [(*f, *self._directions(f[0])) for f in found]:
+        for face in [(f, *self._directions(f)) for f in found]:
             fits = [g for g in groups if all(self._one_wall(face, other) for other in g)]
             (fits[0] if fits else groups.append([]) or groups[-1]).append(face)
         p.slips = [[face[0] for face in group] for group in groups]
 
     @staticmethod
     def _one_wall(a, b):
-        (_, name, normal, inward), (_, other_name, other_normal, other_inward) = a, b
-        if name and other_name:
-            return name == other_name
+        (_, normal, inward), (_, other_normal, other_inward) = a, b
         return min(inward @ other_normal, other_inward @ normal) > CONCAVE
 
     def _directions(self, f):

@@ -267,18 +267,6 @@ def test_conditions(faces, both):
     check("walls", both, 4, lambda owner: kinds.get(owner, kinds.get(owner[0])), 0.3, most)
 
 
-def test_names_of_walls():
-    """One name around a corner, two names on one wall."""
-
-    def named(owner):
-        name, axis, side = owner
-        one = axis == 0 or side == 0
-        return Clamped() if name == "solid" else Slip(name="one" if one else name)
-
-    for shape in ("panel", "flush"):
-        check(shape, SLIPPING, 4, named)
-
-
 def test_a_temperature_that_is_given_is_that_of_all_solids_there():
     faces = lambda owner: Free(T=1.2) if owner[0] == "solid 1" else Free()  # noqa: E731
     check("disk", (None, SLIPPING[1]), 4, faces)

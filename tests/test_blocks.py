@@ -164,7 +164,9 @@ WRONG = {
         (lambda s: (0 * s, s), lambda s: (1, s)), (lambda s: (s, 0), lambda s: (s, 2))
     ),
     "expected a Fluid or an ElasticSolid": lambda: square(material="steel"),
-    r"no numbers at xi = \(0.5, ": lambda: square(map=lambda xi: (xi[0], xi[1] / (xi[0] != 0.5))),
+    r"map of block 'a', with xi in .*: Y = .* at .* = \(0.5, ": lambda: square(
+        map=lambda xi: (xi[0], xi[1] / (xi[0] != 0.5))
+    ),
     r"J = -0.0156 per piece at .*right-handed": lambda: square(map=lambda xi: (xi[1], xi[0])),
     r"'a', face \(axis 0, side 1\), about .* = \(1, 0.5\)": lambda: BlockProblem(
         [square()], walls("a", but=[("a", 0, 1)])

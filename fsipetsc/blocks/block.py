@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.blocks.maps import Map, Nodes
-from fsipetsc.checks import Array, check, described, place_text, whole
+from fsipetsc.checks import Array, check, checked, described, place_text, whole
 from fsipetsc.equations import tensors
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
@@ -152,21 +152,11 @@ class Block:
         return self.places(np.unravel_index(self.face_nodes(axis, side), self.shape, order="F"))
 
     def _mapped(self, xi: Sequence[Array]) -> Array:
-        """X (d, …) at logical coordinates. InputError for what a map raises, and for what is no
-        place.
-        """
-        try:
-            values = self.map(tuple(xi))
-            X = np.array([np.broadcast_to(np.asarray(x, float), xi[0].shape) for x in values])
-        except Exception as error:
-            raise InputError(f"{self}: its map fails: {type(error).__name__}: {error}") from error
-        if len(X) != self.dimension:
-            raise InputError(f"{self}: its map gives {len(X)} numbers: expected {self.dimension}")
-        good = np.isfinite(X).all(axis=0).ravel()
-        if not good.all():
-            where = ", ".join(f"{s.ravel()[good.argmin()]:.6g}" for s in xi)
-            raise InputError(f"{self}: its map gives no numbers at xi = ({where})")
-        return X
+        """X (d, …) at logical coordinates. InputError."""
+        flat = np.array([np.ravel(s) for s in xi])
+        where = f"map of {self}, with xi in the place of X"
+        X = checked(self.map, (tuple(flat),), flat, "XYZ"[: self.dimension], where)
+        return np.reshape(X, (self.dimension, *np.shape(xi[0])))
 
     def _check_axes(self) -> None:
         """InputError for wrong cells or periodic; both become tuples."""

@@ -220,13 +220,9 @@ class NoSlip(Warm, Moving):
 @dataclass(frozen=True, kw_only=True)
 class Slip(Moving):
     """A wall along which a gas slips without heat, or a plane of symmetry. Motion as of `Moving`.
-
-    Args:
-        name: faces of one name are one wall, also around an edge; without names, those that go on
-            smoothly are one.
+    Faces that go on smoothly, or around a convex edge, are one wall.
     """
 
-    name: str = ""
     of = ("fluid",)
     part = "slip"
 

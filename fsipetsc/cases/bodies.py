@@ -160,7 +160,7 @@ def cylinder(opt: Opt) -> BlockProblem:
     maps = [partial(in_gas, q) for q in range(4)]
     content = (solid, common.at_rest()), (gas, flow)
     blocks = disk_in_gas(radius, core, maps, cells, *content)
-    sides = Outflow(AHEAD.p), Slip(name="ceiling"), inflow, Slip(name="floor")
+    sides = Outflow(AHEAD.p), Slip(), inflow, Slip()
     faces = {(block.name, 0, 1): side for block, side in zip(blocks[2::2], sides, strict=True)}
     return BlockProblem(blocks, faces, units="none")
 
@@ -238,8 +238,8 @@ def fin(opt: Opt) -> BlockProblem:
         map = rectangle((x[i], y[j]), (x[i + 1], y[j + 1]))
         material, start = (steel, rest) if panel else (air, flow)
         blocks.append(Block(name, material, map, (columns[i], rows[j]), start))
-        floor = Clamped() if panel else Slip(name="floor")
-        faces[name, 1, j] = Slip(name="ceiling") if j else floor
+        floor = Clamped() if panel else Slip()
+        faces[name, 1, j] = Slip() if j else floor
         if i != 1:
-            faces[name, 0, i // 2] = Slip(name="end") if i else inflow
+            faces[name, 0, i // 2] = Slip() if i else inflow
     return BlockProblem(tuple(blocks), faces)

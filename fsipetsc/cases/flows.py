@@ -158,13 +158,13 @@ def step(opt: Opt) -> BlockProblem:
     """
     M, rho, place, high = opt["step_mach"], 1.4, 0.6, 0.2  # X where the step begins, its height
     gas, flow = common.gas_of(opt, R=1.0 / rho), common.constant(rho, M, 0.0, 1.0)
-    inflow, step = Open(rho, (M, 0.0), 1.0), Slip(name="step")
+    inflow, step = Open(rho, (M, 0.0), 1.0), Slip()
     floor, above = {(0, 0): inflow, (0, 1): step}, {(0, 0): inflow, (0, 1): Outflow()}
     members = (
         Layer("before", gas, (0.0, high), flow, span=((0.0, place),), sides=floor),
         Layer("above", gas, (high, 1.0), flow, sides=above, beside=step),
     )
-    walls = {"lower": Slip(name="floor"), "upper": Slip(name="ceiling")}
+    walls = {"lower": Slip(), "upper": Slip()}
     return common.stack(opt, *members, along=((0.0, 3.0),), **walls)
 
 

@@ -197,10 +197,7 @@ def _constrain(
         return normal, into / (np.linalg.norm(into) or 1.0)
 
     def one_wall(one: Face, other: Face) -> bool:
-        """By the names of walls if both have one; else unless one goes into the other's gas."""
-        names = [getattr(face.met, "name", "") for face in (one, other)]
-        if all(names):
-            return names[0] == names[1]
+        """Unless one goes into the other's gas."""
         (n, into), (m, along) = directions(*one[:4]), directions(*other[:4])
         return bool(min(into @ m, along @ n) > CONCAVE)
 
