@@ -21,7 +21,7 @@ def warped(mu):
 def bounds_of(run, k):
     """The largest rates of convection and diffusion of a block, by formulas on whole arrays."""
     part, q, d = run.parts[k], run.owned(k), run.problem.dimension
-    metrics, equations, cells = part.metrics[:, part.owned], part.equations, part.block.cells
+    metrics, equations, cells = part.metrics[:, part.owned], part.laws, part.block.cells
     areas = metrics[: d * d].reshape(d, d, -1) * np.reshape(cells, (d, 1, 1))
     squares = (areas**2).sum(axis=1)
     if run.problem.blocks[k].kind == "solid":

@@ -19,7 +19,7 @@ from fsipetsc.blocks.block_problem import Meeting
 from fsipetsc.blocks.conditions import COLUMNS, VECTORS, Condition
 from fsipetsc.blocks.face_formulas import Effect
 from fsipetsc.blocks.metrics import Wide, cube_of
-from fsipetsc.checks import block_values, checked, place_text
+from fsipetsc.checks import block_values, checked, names_of, place_text
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.kernels.symbols import Symbol, numbers_of
@@ -58,53 +58,53 @@ class FaceTerms:
         if not acting:  # on all ranks of the block, for these record the same
             return
         listed = [nodes_of(problem, part, axis, side) for axis, side, *_ in acting]
-        nodes = [np.concatenate(values) for values in zip(*listed, strict=True)]
-        ends = np.cumsum([0, *(own.size for _, own, *_ in listed)]).tolist()
+        nodes = {name: np.concatenate([of[name] for of in listed]) for name in listed[0]}
+        ends = np.cumsum([0, *(of["own"].size for of in listed)]).tolist()
         places = [slice(*pair) for pair in pairwise(ends)]
         groups, n = [], ends[-1]
         for effect in effects:  # whose nodes lie together
             of = [at for at, face in zip(places, acting, strict=True) if face[3] == effect]
             begin, end = (of[0].start, of[-1].stop) if of else (0, 0)
             groups.append(SimpleNamespace(effect=effect, begin=begin, nodes=end - begin))
-        names = "at", "own", "axis", "sign", "per_weight", "across", "column"
-        of_both: dict[str, Any] = dict(zip(names, nodes, strict=True), groups=tuple(groups))
-        of_both["pressure"], of_both["heat"], more = np.zeros((3, n))
+        pressure, heat, more = np.zeros((3, n))
         if self._gas:
             own = {"outside": np.zeros((n, d + 2)), "width": more, "add_node": pass_face}
         else:
             traction, normal = np.zeros((2, n, d))
             own = {"traction": traction, "normal": normal, "stress": more, "add_node": load_face}
-        self.record = Faces(**of_both, **own, turned=())
-        turned = []
+        given = {**nodes, **own, "pressure": pressure, "heat": heat}
+        self.record, turned = Faces(**given, groups=tuple(groups), turned=()), []
         for (axis, side, condition, effect), where in zip(acting, places, strict=True):
             if d == 3 and not self._gas:
                 turned.append(_turned(problem, part, order, axis, side, where))
-            own, X = nodes[1][where], problem.places(k, part.numbers[nodes[1][where]])
+            numbers = part.numbers[nodes["own"][where]]
+            X = problem.places(k, numbers)
             self._take(condition, X, where)
-            if not isinstance(condition, Meeting) and condition.slip_length is not None:
+            if getattr(condition, "slip_length", None) is not None:
                 step = int(np.prod(block.shape[:axis])) * (-1 if side else 1)
-                beside = problem.places(k, part.numbers[own] + step)
+                beside = problem.places(k, numbers + step)
                 self._slips.append((X, where, np.linalg.norm(X - beside, axis=1)))
             if effect.first_order:
                 low, high = (block.face_positions(axis, at) for at in (0, 1))
                 self.record.width[where] = np.linalg.norm(high - low, axis=0).mean()
         if turned:
-            self._cubes, faces = zip(*turned)  # what addresses of the faces point to
-            self.record.turned = faces
+            self._cubes, self.record.turned = zip(*turned)  # addresses of the faces point to cubes
 
     def _take(self, condition: Any, X: Array, at: slice) -> None:
         """Take the data of a face, with nodes here or without, of which p_ref is a part."""
         rows, record = np.arange(at.start, at.stop), self.record
-        supplied = isinstance(condition, Meeting)
-        if not self._gas and (supplied or condition.loaded):
+        if isinstance(condition, Meeting):  # of a solid
             record.pressure[at] = 0.0 - self.p_ref
-        if supplied and not self._gas and self._jumps is not None:
-            to = record.traction, record.heat
-            self.sources.append(Source(condition, self._supplied, X.T, rows, *to))
-        for column, names in () if supplied else COLUMNS.items():
+            if self._jumps is not None:
+                to = record.traction, record.heat
+                self.sources.append(Source(condition, self._supplied, X.T, rows, *to))
+            return
+        less = self.p_ref if condition.loaded else 0.0
+        if not self._gas and condition.loaded:
+            record.pressure[at] = 0.0 - less
+        for column, names in COLUMNS.items():
             if getattr(condition, names[0], None) is not None:
-                less = self.p_ref if column == "pressure" and condition.loaded else 0.0
-                make = partial(_column, condition, names, less)
+                make = partial(_column, condition, names, less * (column == "pressure"))
                 self.sources.append(Source(condition, make, X.T, rows, getattr(record, column)))
 
     def _supplied(self, x: Any, t: Any) -> tuple[Any, Any]:
@@ -169,18 +169,22 @@ def _column(condition: Condition, names: Sequence[str], less: float, x: Any, t: 
     return (tuple(found),) if len(found) > 1 else (found[0] - less,)
 
 
-def nodes_of(problem: Any, part: Part, axis: int, side: int) -> tuple[Array, ...]:
-    """This rank's nodes of those of a face: numbers in the ghosted array and among the owned ones,
-    axis, sign, 1 / weight of the axis, product of the other weights, column of its energy.
-    """
+def nodes_of(problem: Any, part: Part, axis: int, side: int) -> dict[str, Array]:
+    """What fsipetsc.scheme.faces takes of this rank's nodes of a face, without data."""
     nodes, through = problem.blocks[part.k].face_nodes(axis, side), problem.column_of_face
     own = part.rows_among(nodes)
-    at = part.patch.ghosted_rows(own)
+    at, ones = part.patch.ghosted_rows(own), np.ones(own.size)
     last = part.patch.first[axis] + (part.patch.own[axis] - 1 if side else 0)
-    weight, ones = float(part.bands[axis].weight[last]), np.ones(own.size)
-    column = np.full(own.size, through.get((part.k, axis, side), len(through)))
-    signs, across = ones if side else -ones, part.weights(at) / weight
-    return at, own, np.full(own.size, axis), signs, ones / weight, across, column
+    weight = float(part.bands[axis].weight[last])
+    return {
+        "at": at,
+        "own": own,
+        "axis": np.full(own.size, axis),
+        "sign": ones if side else -ones,
+        "per_weight": ones / weight,
+        "across": part.weights(at) / weight,
+        "column": np.full(own.size, through.get((part.k, axis, side), len(through))),
+    }
 
 
 def _acting(problem: Any, k: int) -> list[tuple[int, int, Any, Effect]]:
@@ -203,41 +207,47 @@ def _acting(problem: Any, k: int) -> list[tuple[int, int, Any, Effect]]:
     return found
 
 
-class BlockPart:
-    """One part of a block. does: name -> procedure.
+class BlockPart(Part):
+    """One part of a block, which is what its procedures take: see fsipetsc.scheme.part. does: name
+    -> procedure.
 
-    X: (d, ghosted nodes) places in the reference map. owned, weights: (M,) rows there of the nodes
-    that the rank owns, and their H. names: of what is saved of a node. sources: of data that may
-    depend on time. at_particles: faces at constraints, known once there are particles. added:
-    whether something adds to the rates of nodes within the block, after its sweep. reads_ghosted:
-    whether something but sweeps reads the ghosted array.
+    owned, H: (M,) rows in the ghosted array of the nodes that the rank owns, and their H. names: of
+    what is saved of a node. sources: of data that may depend on time. at_particles: faces at
+    constraints, known once there are particles. added: whether
+    something adds to the rates of nodes within the block, after its sweep. reads_ghosted: whether
+    something but sweeps reads the ghosted array.
     """
 
-    added: bool
-    adds: tuple[Any, ...] = ()  # functions and records that add to rates after the sweep
-    dissipation: tuple[Any, ...] = ()
-    metrics: Array
-    at_particles: Any
-    equations: Any
-    add_force: Any  # functions that add to rates: a constant force, forcing
-    supply: Any
-    _record: Any  # (system, begins) -> the text of its kernels, its record, what becomes procedures
-
-    def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
-        self.part, self._layout, self._problem = part, layout, layout.problem
-        self.block, self._order, self._form = self._problem.blocks[part.k], order, form
-        self._d = d = self.block.dimension
-        self.names = fields_of(self.block.kind, d, self._problem.symmetry)
-        self.X = self._problem.positions(part.k, part.ghosted)
+    def __init__(self, layout: BlockLayout, part: Part, order: int) -> None:
+        super().__init__(**vars(part))
+        self.layout, self.problem, self.order = layout, layout.problem, order
+        self.block = block = self.problem.blocks[part.k]
+        self.d = d = block.dimension
+        self.laws = block.material.equations(d, self.problem.symmetry)
+        self.names = fields_of(block.kind, d, self.problem.symmetry)
+        self.X = self.problem.positions(part.k, part.ghosted)
         self.owned = part.patch.ghosted_rows(np.arange(part.numbers.size))
-        self.weights = part.weights(self.owned)
-        self.faces = FaceTerms(self._problem, part, order, self.X)
-        self.sources, self.forcing = self.faces.sources, None
-        self.reads_ghosted = self.faces.record is not None
-        if self.block.forcing is not None:
-            rows, x = d + 2 if self.block.kind == "fluid" else 2 * d + 1, self.X[:, self.owned]
-            self.forcing = np.zeros((rows, self.owned.size))
-            self.sources.append(Source("forcing", self._forced, x, None, *self.forcing))
+        self.H = part.weights(self.owned)
+        self.faces = FaceTerms(self.problem, part, order, self.X)
+        self.terms: tuple[Any, ...] = (self.faces.record,) * bool(self.faces.record)
+        self.reads_ghosted = bool(self.terms)
+        self.sources, self.forcing, self.forced = self.faces.sources, None, any(self.laws.force)
+        if block.forcing is not None:
+            self.forcing = np.zeros((len(names_of(block.kind, "forcing", d)), self.owned.size))
+            given = "forcing", self._forced, self.X[:, self.owned], None
+            self.sources.append(Source(*given, *self.forcing))
+        # what else procedures take
+        reaches, sizes = [band.reach for band in part.bands], part.patch.ghosted
+        self.S, self.weight = np.zeros((3, 1 + max(reaches), max(sizes))), np.zeros((3, max(sizes)))
+        for k, band in enumerate(part.bands):
+            self.S[k, : 1 + band.reach, : sizes[k]], self.weight[k, : sizes[k]] = band
+        self.axes = np.array([reaches, sizes, np.cumprod([1, *sizes[:2]])]).T.copy()
+        self.like, self.per_h = (0.0,) * d, np.array(block.cells, float)
+        self.loses = self.problem.loses(part.k)
+
+    def add_sources(self, add_force: Any, supply: Any) -> None:
+        """Let these functions add a constant force and forcing to rates, if there are any."""
+        self.terms += (add_force,) * self.forced + (supply,) * (self.forcing is not None)
 
     def _forced(self, x: Any, t: Any) -> Any:
         """The forcing, of numbers or symbols."""
@@ -246,15 +256,15 @@ class BlockPart:
         return block_values(self.block, "forcing", x, t)
 
     @property
-    def free(self) -> list[tuple[int, int]]:
+    def inner(self) -> list[tuple[int, int]]:
         """First node and first beyond along each axis of the ghosted array, of the owned nodes to
         whose rates nothing is added after a sweep: none of them is on a face of the block.
         """
-        patch, found = self.part.patch, []
-        for axis, (first, n) in enumerate(zip(patch.first, patch.own, strict=True)):
+        found = []
+        for axis, (first, n) in enumerate(zip(self.patch.first, self.patch.own, strict=True)):
             begin, end = first, first + (0 if self.added else n)
-            if axis < self._d and not self.block.periodic[axis]:
-                at = self.part.ghosted[axis][0] + first
+            if axis < self.d and not self.block.periodic[axis]:
+                at = self.ghosted[axis][0] + first
                 begin, end = begin + (at == 0), end - (at + n == self.block.shape[axis])
             found.append((begin, max(begin, end)))
         return found
@@ -271,41 +281,15 @@ class BlockPart:
         system: of particles; found: see fsipetsc.scheme.plan; begins: name -> where a series
         begins in the record of a step.
         """
-        text, record, functions = self._record(system, begins)
+        self.columns, self.free = SimpleNamespace(**begins), in_order(self.inner, self.d)
+        text, functions = self._prepare(system)
         code, self.does = Code(text), dict[str, Procedure]()
         takes = {"particles": system.record, "gain": found.gain, "found": found}
         for f in functions:  # they take what their parameters name
             beside = [takes[p] for p in inspect.signature(f).parameters if p in takes]
-            self.does[f.__name__] = code.procedure(f"part_{f.__name__}", f, record, *beside)
+            self.does[f.__name__] = code.procedure(f"part_{f.__name__}", f, self, *beside)
         return code
 
-    def _common(self, begins: Mapping[str, int]) -> dict[str, Any]:
-        part, d, sizes = self.part, self._d, self.part.patch.ghosted
-        reaches, forced = [band.reach for band in part.bands], any(self.equations.force)
-        S, weight = np.zeros((3, 1 + max(reaches), max(sizes))), np.zeros((3, max(sizes)))
-        for k, band in enumerate(part.bands):
-            S[k, : 1 + band.reach, : sizes[k]], weight[k, : sizes[k]] = band
-        before = self.adds + self.dissipation + (self.faces.record,) * bool(self.faces.record)
-        after = (self.add_force,) * forced + (self.supply,) * (self.forcing is not None)
-        return {
-            "like": (0.0,) * d,
-            "free": in_order(self.free, d),
-            "terms": before + after,
-            "forced": forced,
-            "loses": self._problem.loses(part.k),
-            "block": part.k,
-            "begin": part.begin,
-            "dof": part.dof,
-            "halo": part.local if part.has_halo else np.empty((part.dof, 0)),
-            "signs": part.signs,
-            "X": self.X,
-            "metrics": self.metrics,
-            "S": S,
-            "weight": weight,
-            "axes": np.array([reaches, sizes, np.cumprod([1, *sizes[:2]])]).T.copy(),
-            "patch": part.patch,
-            "per_h": np.array(self.block.cells, float),
-            "at_particles": self.at_particles,
-            "forcing": self.forcing,
-            "columns": SimpleNamespace(**begins),
-        }
+    def _prepare(self, system: Any) -> tuple[str, Sequence[Any]]:
+        """Make what procedures take beside; return the text of kernels, and the procedures."""
+        raise NotImplementedError

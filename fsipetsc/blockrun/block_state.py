@@ -103,7 +103,7 @@ class BlockState(State):
         self._noted = [
             (number, node, row)
             for number, node in nodes
-            for row in self.parts[node.block].part.rows_among(np.array([node.node])).tolist()
+            for row in self.parts[node.block].rows_among(np.array([node.node])).tolist()
         ]
 
     def _compile(self, gain: Any, pace: float, announce: Callable[[str], None]) -> None:
@@ -160,7 +160,7 @@ class BlockState(State):
             self._ask([f"{what}: it is not finite at t = 0" for what in bad])
         self.particles.begin()
         for gas in self._gases:
-            gas.begin()
+            gas.find_reference()
         self._lists = phases(layout, [*parts], self.particles, does, self._data)
         self._take_calls(calling.library, does["plan_next"])
 
@@ -170,8 +170,8 @@ class BlockState(State):
         """
         left = np.ones(self.layout.local_size, bool)
         for k, part in self.parts.items():
-            patch = part.part.patch
-            free = (slice(a - n, b - n) for (a, b), n in zip(part.free, patch.first, strict=True))
+            patch = part.patch
+            free = (slice(a - n, b - n) for (a, b), n in zip(part.inner, patch.first, strict=True))
             planes = self.layout.owned(k, left).T.reshape(-1, *patch.own[::-1])
             planes[(..., *[*free][::-1])] = False
         ends = np.flatnonzero(np.diff(left, prepend=False, append=False))
@@ -222,7 +222,7 @@ class BlockState(State):
         self._do("share", STAGES)
         self._do("grid", STAGES)
         for gas in self._gases:
-            gas.begin_at_walls(self.owned(gas.part.k), *self.particles.at_walls(gas.part.k))
+            gas.begin_at_walls(self.owned(gas.k), *self.particles.at_walls(gas.k))
         agree(self.comm, self.fault)
 
     def set_data(self, t: float) -> None:
@@ -317,9 +317,9 @@ class BlockState(State):
             columns = dict(zip(part.names, self.saved(k).T, strict=True))
             names = "J", "rho", *VELOCITIES[:d], "T"
             if part.block.kind == "solid":  # T of a law of J < 0 is no number: J says more
-                columns["J"] = part.equations.volume(tuple(part.F))
+                columns["J"] = part.laws.volume(tuple(part.F))
                 names = "J", *PLACES[:d], *VELOCITIES[:d], "T"
-            values, numbers = {name: columns[name] for name in names}, part.part.numbers
+            values, numbers = {name: columns[name] for name in names}, part.numbers
             x = np.stack([columns[name] for name in PLACES[:d]], axis=1)
             yield k, numbers, values, x, problem.places(k, numbers)
 
@@ -342,7 +342,7 @@ class BlockState(State):
             where = f"exact of block '{block.name}' at t = {t:.6g}"
             exact += checked(block.exact_stress, (*X, t), X, names[len(exact) :], where)
         known = dict(zip(part.names, self.saved(k).T, strict=True))
-        w = part.weights * part.reference / (X[-1] ** self.problem.symmetry)
+        w = part.H * part.reference / (X[-1] ** self.problem.symmetry)
         pairs = zip(names, exact, strict=True)
         return np.array([np.sum(w * np.abs(known[name] - value) ** power) for name, value in pairs])
 
@@ -354,10 +354,10 @@ class BlockState(State):
         halos the owned nodes.
         """
         part = self.layout.parts[k]
-        return part.local.T if part.has_halo else self.layout.owned(k, self._shown)
+        return part.halo.T if part.halo.size else self.layout.owned(k, self._shown)
 
     def numbers(self, k: int) -> np.ndarray:
-        return self.parts[k].part.numbers if k in self.parts else np.empty(0, np.int64)
+        return self.parts[k].numbers if k in self.parts else np.empty(0, np.int64)
 
     def fields(self, k: int) -> Sequence[str]:
         block = self.problem.blocks[k]

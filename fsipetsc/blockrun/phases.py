@@ -50,9 +50,9 @@ def phases(
         return [part.does[name] for part in parts if name in part.does]
 
     sums, areas, slips = particles.sums, particles.areas, particles.record.slips
-    with_halo = [part for part in parts if part.part.has_halo]
-    inside = [part.part.inside for part in with_halo]
-    read = [part.part.inside for part in with_halo if part.reads_ghosted]
+    with_halo = [part for part in parts if part.halo.size]
+    inside = [part.inside for part in with_halo]
+    read = [part.inside for part in with_halo if part.reads_ghosted]
     halos, images = layout.halos, each("images")
     fill = [halos, *read, *images]  # owned nodes of ghosted arrays too where they are read
     follow = [*each("follow"), *(part.gather for part in parts if part.block.kind == "fluid")]

@@ -12,10 +12,10 @@ Nodes of a block are numbered n = i_0 + N_0 (i_1 + N_1 i_2), and so are those of
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import accumulate
 from math import prod
 from operator import mul
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -25,10 +25,10 @@ from petsc4py import PETSc
 
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
-from fsipetsc.operators.bands import AXIS, NO_AXIS, Band, Patch
+from fsipetsc.operators.bands import AXIS, NO_AXIS, Patch
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_shares import Extent, share_out
-from fsipetsc.parallel.exchange import Exchange, Reach, Route, Spans
+from fsipetsc.parallel.exchange import Exchange, Reach, Route
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -37,33 +37,17 @@ AXES = 3
 PARTICLES_TAG, HALO_TAG, GATHER_TAG = 0, 1 << 10, 1 << 13
 
 
-@dataclass(frozen=True)
-class Part:
+class Part(SimpleNamespace):
     """This rank's part of block k.
 
     patch: its sizes. ghosted: first node and first beyond of the ghosted array along each axis,
     which go on beyond the ends of periodic axes. bands: pair weights of the three axes there.
     dof: unknowns of a node. begin: of its numbers in this rank's part of the world vector. numbers:
-    (M,) of the nodes that it owns. local: (dof, N), the ghosted array; inside: copies the
-    owned nodes there. signs: (dof,) of the unknowns of mirror images, which stand before the first
-    nodes of a block with a centre; (0,) where there are none.
+    (M,) of the nodes that it owns. halo: (dof, N), the ghosted array, or (dof, 0) where the rank
+    owns all nodes of that; inside: copies the owned nodes there. signs: (dof,) of the unknowns of
+    mirror images, which stand before the first nodes of a block with a centre; (0,) where there are
+    none.
     """
-
-    k: int
-    patch: Patch
-    ghosted: Spans
-    bands: tuple[Band, Band, Band]
-    dof: int
-    begin: int
-    numbers: Numbers
-    local: Array
-    inside: Exchange
-    signs: Array
-
-    @property
-    def has_halo(self) -> bool:
-        """Whether the ghosted array has nodes that the rank does not own."""
-        return self.patch.own != self.patch.ghosted
 
     def rows(self, nodes: Numbers) -> Numbers:
         """Places among ``numbers`` of nodes of the block that this rank owns."""
@@ -149,6 +133,7 @@ class BlockLayout:
         patch = Patch(*sizes, tuple(a - g for (a, _), (g, _) in zip(own, ghosted, strict=True)))
         axes = range(block.dimension)
         bands = [self.problem.band(k, self.order, axis).part(*ghosted[axis]) for axis in axes]
+        local = memory[: dof * prod(patch.ghosted)].reshape(dof, -1)
         images = ghosted[axes[-1]][0] < 0 and reach.centred
         odd = (axes[-1], axes[-1] + block.dimension) if block.kind == "solid" else dof - 2
         return Part(
@@ -159,7 +144,7 @@ class BlockLayout:
             dof=dof,
             begin=self._begins[k],
             numbers=reach.share.nodes(rank),
-            local=memory[: dof * prod(patch.ghosted)].reshape(dof, -1),
+            halo=local if own != ghosted else local[:, :0].copy(),
             inside=inside,
             signs=np.where(np.isin(np.arange(dof), odd), -1.0, 1.0)[: dof * images],
         )

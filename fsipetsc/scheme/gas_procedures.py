@@ -23,7 +23,7 @@ def follow(part, particles):
     """Note displacement and velocity of the particles here by which the grid moves."""
     follows, known, data, d = part.follows, part.known, particles.data, len(part.like)
     for m in each(follows.shape[0]):
-        n, row = follows[m], part.rows[m]
+        n, row = follows[m], part.follower_rows[m]
         alone = (particles.facts.moves[n] == 1) & (particles.solid_mass[n] == 0.0)
         for c in range(d):
             known[row, c] = np.where(alone, data.place[n, c], particles.D[n, c])

@@ -65,7 +65,7 @@ def observe(part, found, see):
     extremes, sums = survey(part.room, least, rows, weighed, part.room.shape[1])
     for c, one in enumerate(extremes):
         pace = found.pace if c == CONVECTION else 1.0
-        found.extremes[1 + MONITORED * part.block + c] = pace * one.value
+        found.extremes[1 + MONITORED * part.k + c] = pace * one.value
     for name, total in sums.items():
         found.latest[getattr(columns, name)] += total.value
 

@@ -1,9 +1,9 @@
 """What procedures share for a rank's part of a block, of gas or solid. They take the part as a
-record: arrays and numbers with names, which fsipetsc.blockrun makes. Of M owned nodes, and of N in
+record: arrays and numbers with names (fsipetsc.blockrun.block_part). Of M owned nodes, and of N in
 the ghosted array, in d dimensions it has
 
-    like: d zeros. dof: unknowns of a node. laws: fsipetsc.equations.gas or solid. block: its
-    number. patch: fsipetsc.operators.bands. S, weight: bands of the three axes, with zeros behind.
+    like: d zeros. dof: unknowns of a node. laws: fsipetsc.equations.gas or solid. k: number of the
+    block. patch: fsipetsc.operators.bands. S, weight: bands of the three axes, with zeros behind.
     axes: (3, 3) of each axis its longest pair, nodes, and how far these are apart in the ghosted
     array. begin: of its unknowns in the world vector. halo: (dof, N), its nodes with a halo, or
     (dof, 0) without. signs: of images, see fsipetsc.parallel.block_layout. X: (d, N) of the
@@ -25,7 +25,8 @@ the ghosted array, in d dimensions it has
     of axes, one at an edge once for each axis: at, own, axis: (n,) numbers in the ghosted array and
     among the owned nodes, axis; factor: sign of the outward normal over the weight of the axis.
     moves: whether its grid moves; grid: see fsipetsc.blocks.grid. known: (m, 2d) displacements and
-    velocities by which it moves, follows: (n,) particles here that have them, rows: (n,) where.
+    velocities by which it moves, follows: (n,) particles here that have them, follower_rows: (n,)
+    where.
     reference, J: (M,) J of the reference map, and of the grid, by `find_volumes`.
 
     Of a solid: inertia: (N,) J0 m0. prestress: (d d, N) what P has beside, or None. F: (d d, M), or

@@ -80,7 +80,7 @@ def stretched_gases(state: BlockState) -> list[str]:
     blocks, volumes = state.problem.blocks, np.zeros((len(state.problem.blocks), 2))
     for k, part in state.parts.items():
         if part.block.kind == "fluid" and part.block.exact is None:
-            volumes[k] = part.weights @ state.owned(k)[:, 0], part.weights @ part.reference
+            volumes[k] = part.H @ state.owned(k)[:, 0], part.H @ part.reference
     state.comm.Allreduce(MPI.IN_PLACE, volumes)
     return [
         f"'{block.name}' begins with {100.0 * abs(volume / of_map - 1.0):.3g} % "
@@ -155,11 +155,11 @@ def worst_waves(part: SolidPart, q: Array) -> list[tuple[float, int, list[float]
     rest = np.append(np.eye(d), np.ones(len(part.F) - d * d))  # the last ones are of hoops
     rows = np.flatnonzero(np.abs(part.F.T - rest).max(axis=1) > SMALL)
     F = part.F[: d * d].T.reshape(-1, d, d)
-    strains, T, numbers = tuple(part.F[:, rows]), part.stressed(q, rows)[0], part.part.numbers[rows]
+    strains, T, numbers = tuple(part.F[:, rows]), part.stressed(q, rows)[0], part.numbers[rows]
     entries = range(-FINEST[d], FINEST[d] + 1)
     some = [N / np.linalg.norm(N) for N in product(entries, repeat=d) if N > (0,) * d]
     for N in np.unique(np.round(some, 15), axis=0) if rows.size else ():
-        Q = np.array(part.equations.acoustic_tensor(strains, T, tuple(N)))
+        Q = np.array(part.laws.acoustic_tensor(strains, T, tuple(N)))
         Q = Q.reshape(isqrt(len(Q)), -1, rows.size)[:d, :d]
         size = np.abs(Q).max(axis=(0, 1))
         Q = Q / size + ROUND_OFF * np.eye(d)[..., None]
