@@ -64,7 +64,6 @@ LINES = [
     ("diff a.checkpoint.h5 no.h5", 4, "a.checkpoint.h5: is not a result of fsipetsc"),
     # pictures
     ("plot rod.h5 -fields q", 2, "-fields q: expected some of u, T, p, rho, sigma, strain"),
-    ("plot rod.h5 -probes 1,2", 2, "-probes: expected 1 number for each place"),
     ("plot rod.h5 -o text.h5/x.png", 4, "cannot write the "),
 ]
 

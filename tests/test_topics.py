@@ -6,7 +6,7 @@ from helpers import REPOSITORY, compute, on_ranks
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from fsipetsc import Piecewise
-from fsipetsc.kernels.symbols import Record, Replay, derivatives
+from fsipetsc.kernels.symbols import Record, derivatives, replay
 
 RUNS = REPOSITORY / "runs"
 GRAVITY, MOVING = (str(RUNS / f"{name}.py") for name in ("gravity", "moving_wall"))
@@ -23,7 +23,7 @@ def test_piecewise_is_the_interpolant_of_scipy(kind):
     place = made(now)
     (velocity,) = derivatives([place], now)
     (rate,) = derivatives([velocity], now)
-    found = Replay([place, velocity, rate])({now: at})
+    found = replay([place, velocity, rate])({now: at})
     for order, values in enumerate(found):
         np.testing.assert_allclose(values, known(at, order), rtol=1e-12, atol=1e-12)
     assert np.array_equal(found[0], made(at))
