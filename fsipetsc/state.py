@@ -167,9 +167,7 @@ class State:
         """
         rows, self.batch = np.zeros((plan.CAPACITY, record.itemsize // 8)), np.zeros(plan.BATCH)
         numbers = np.zeros(plan.RESULTS + more + rows.shape[1] - 2)
-        self.results, self.latest_numbers = np.split(numbers, [plan.RESULTS, -rows.shape[1] + 2])[
-            ::2
-        ]
+        self.results, self.latest_numbers = numbers[: plan.RESULTS], numbers[plan.RESULTS + more :]
         self.journal = rows.reshape(-1).view(record)
         kind = [(name, record[name]) for name in record.names[2:]]
         self.latest = self.latest_numbers.view(kind)[0]

@@ -100,11 +100,10 @@ class FaceTerms:
                 self.sources.append(Source(condition, self._supplied, X.T, rows, *to))
             return
         less = self.p_ref if condition.loaded else 0.0
-        if not self._gas and condition.loaded:
-            record.pressure[at] = 0.0 - less
+        record.pressure[at] = 0.0 - less
         for column, names in COLUMNS.items():
             if getattr(condition, names[0], None) is not None:
-                make = partial(_column, condition, names, less * (column == "pressure"))
+                make = partial(_column, condition, names, less if column == "pressure" else 0.0)
                 self.sources.append(Source(condition, make, X.T, rows, getattr(record, column)))
 
     def _supplied(self, x: Any, t: Any) -> tuple[Any, Any]:
@@ -213,9 +212,9 @@ class BlockPart(Part):
 
     owned, H: (M,) rows in the ghosted array of the nodes that the rank owns, and their H. names: of
     what is saved of a node. sources: of data that may depend on time. at_particles: faces at
-    constraints, known once there are particles. added: whether
-    something adds to the rates of nodes within the block, after its sweep. reads_ghosted: whether
-    something but sweeps reads the ghosted array.
+    constraints, known once there are particles. added: whether something adds to the rates of nodes
+    within the block, after its sweep. reads_ghosted: whether something but sweeps reads the ghosted
+    array.
     """
 
     def __init__(self, layout: BlockLayout, part: Part, order: int) -> None:

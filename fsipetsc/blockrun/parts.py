@@ -132,7 +132,7 @@ class GasPart(BlockPart):
         none = np.zeros(0, np.int64)
         known = {name: np.concatenate([none, *(end[name] for end in ends)]) for name in names}
         factors = (end["sign"] * end["per_weight"] for end in ends)
-        return SimpleNamespace(**known, factor=np.concatenate([none * 1.0, *factors]))
+        return SimpleNamespace(**known, factor=np.concatenate([np.zeros(0), *factors]))
 
     def initial(self, t: float, q: Array) -> None:
         """Fill q (M, d + 3) with the case's data, with J = 1."""

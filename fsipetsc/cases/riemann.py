@@ -72,6 +72,28 @@ def shock_in_plane(
 HIGH, LOW = GasState(1.0, 0.0, 1.0), GasState(0.125, 0.0, 0.1)
 
 
+def behind_wave(gas: Fluid, before: GasState, p: float) -> GasState:
+    """The gas behind a wave that goes to the left, where the pressure is p [Pa]."""
+    (rho0, u0, p0), c0, g = before, sound(gas, before), gas.gamma
+    if p > p0:
+        dense = ((g + 1) * p / p0 + g - 1) / ((g - 1) * p / p0 + g + 1)
+        change = (p - p0) * np.sqrt(2 / rho0 / ((g + 1) * p + (g - 1) * p0))
+    else:
+        dense = (p / p0) ** (1 / g)
+        change = 2 * c0 / (g - 1) * ((p / p0) ** ((g - 1) / (2 * g)) - 1)
+    return GasState(rho0 * dense, u0 - change, p)
+
+
+def shocked(solid: Solid, p: float) -> tuple[float, float, float, float]:
+    """(u, T, F) of a solid behind a shock of pressure p [Pa] that goes to the right, and the speed
+    of the shock over X. Before it the solid is at rest under LOW.p, with T = 1.
+    """
+    sigma, m0 = LOW.p - p, solid.m0  # beyond that before the shock
+    change = np.expm1(sigma / solid.K)
+    s, heat = np.sqrt(sigma / change / m0), (0.5 * sigma - LOW.p) * change
+    return -s * change, 1.0 + heat / (solid.alpha * m0), 1.0 + change, s
+
+
 def contact(gas: Fluid, solid: Solid, state: GasState) -> tuple[Any, Any, tuple[str, str]]:
     """Exact solution of a gas in 0 < X < 1, in a state of a pressure above LOW.p, and a solid in 1
     < X < 2, at rest under LOW.p, which meet at t = 0. The wall on the left moves with the gas.
@@ -82,33 +104,14 @@ def contact(gas: Fluid, solid: Solid, state: GasState) -> tuple[Any, Any, tuple[
     """
     from scipy.optimize import brentq
 
-    (rho0, u0, p0), c0, g = state, sound(gas, state), gas.gamma
-
-    def behind(p: float) -> GasState:
-        """The gas behind its wave, where the pressure is p [Pa]."""
-        if p > p0:
-            dense = ((g + 1) * p / p0 + g - 1) / ((g - 1) * p / p0 + g + 1)
-            change = (p - p0) * np.sqrt(2 / rho0 / ((g + 1) * p + (g - 1) * p0))
-        else:
-            dense = (p / p0) ** (1 / g)
-            change = 2 * c0 / (g - 1) * ((p / p0) ** ((g - 1) / (2 * g)) - 1)
-        return GasState(rho0 * dense, u0 - change, p)
-
-    def shock(p: float) -> tuple[float, float, float, float]:
-        """(u, T, F) of the solid behind its shock, and the speed of this over X."""
-        sigma, m0 = LOW.p - p, solid.m0  # beyond that before the shock
-        change = np.expm1(sigma / solid.K)
-        s, heat = np.sqrt(sigma / change / m0), (0.5 * sigma - LOW.p) * change
-        return -s * change, 1.0 + heat / (solid.alpha * m0), 1.0 + change, s
-
-    high = 1.0
-    apart = lambda p: float(behind(p).u - shock(p)[0])  # noqa: E731
+    (rho0, u0, p0), c0, g, high = state, sound(gas, state), gas.gamma, 1.0
+    apart = lambda p: float(behind_wave(gas, state, p).u - shocked(solid, p)[0])  # noqa: E731
     if apart(LOW.p * (1.0 + 1e-9)) < 0.0:
         raise InputError(f"no shock goes into the solid: the gas has {state}")
     while apart(high) > 0.0:
         high *= 2.0
     p = float(brentq(apart, 1e-12 * high, high, xtol=1e-300, rtol=1e-15))
-    (u, T_s, F, s), near = shock(p), behind(p)
+    (u, T_s, F, s), near = shocked(solid, p), behind_wave(gas, state, p)
     front, back = u0 - c0, near.u - sound(gas, near)  # of a fan; a shock has one speed
     if p > p0:
         front = back = (near.rho * near.u - rho0 * u0) / (near.rho - rho0)

@@ -115,19 +115,26 @@ def add_remainder(layer, scale, b, y, scratch, out, span):
         for i in each(first, last, vector=True):
             mean = sum(float(v) * b[i + skipped + k] for k, v in enumerate(of_mean))
             g[i] = mean * sum(v * y[i + k] for k, v in enumerate(weights))
-        for edge, step, inside in ((A, 1, A + T), (B - q, -1, B - T)) if q == op.p + 1 else ():
-            for t, row in enumerate(end_term(op.order)):  # b_T c L L^T Delta_{p+1} y
-                at = edge + step * t
-                with when((begin - q <= at) & (at < end)):
-                    differences = (
-                        sum(v * y[edge + step * k + j] for j, v in enumerate(weights))
-                        for k in range(T)
-                    )
-                    total = sum(float(v) * one for v, one in zip(row, differences, strict=True))
-                    g[at] += b[inside] * total
+        if q == op.p + 1:
+            add_end_terms(op, b, y, g, span)
         for i in each(begin, end, vector=True):
             sums[i] += sum(v * g[i - k] for k, v in enumerate(weights))
     for r, i, _, _ in near_ends(op, span):
         sums[i] *= 1.0 / layer.closure[r, 0]
     for i in each(begin, end, vector=True):
         out[i] += scale * sums[i]
+
+
+def add_end_terms(op, b, y, g, span):
+    """Add b_T c L L^T Delta_{p+1} y to the differences g at both ends."""
+    (begin, end, A, B), term = span, end_term(op.order)
+    T, q, weights = len(term), op.p + 1, undivided(op.p + 1)
+    for edge, step, inside in ((A, 1, A + T), (B - q, -1, B - T)):
+        for t, row in enumerate(term):
+            at = edge + step * t
+            with when((begin - q <= at) & (at < end)):
+                differences = (
+                    sum(v * y[edge + step * k + j] for j, v in enumerate(weights)) for k in range(T)
+                )
+                total = sum(float(v) * one for v, one in zip(row, differences, strict=True))
+                g[at] += b[inside] * total

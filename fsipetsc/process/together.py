@@ -73,11 +73,8 @@ def libraries(
     from fsipetsc.kernels import build
 
     says = announce if comm.rank == 0 else lambda text: None
-    text_of, given, kept = (
-        {build.name_of(text): text for text in texts},
-        dict[str, bytes](),
-        dict[str, bytes](),
-    )
+    names, given, kept = [*map(build.name_of, texts)], dict[str, bytes](), dict[str, bytes]()
+    text_of = dict(zip(names, texts, strict=True))
     lacks = together(comm, lambda: [name for name in text_of if build.found(name) is None])
     # name -> the rank that compiles it: the lowest one that lacks it
     makers = {name: k for k, some in reversed([*enumerate(comm.allgather(lacks))]) for name in some}
@@ -97,7 +94,7 @@ def libraries(
         print(f"fsipetsc: warning: {lost}", file=sys.stderr)
     for name in () if lost else written:
         says(f"C text of kernels: {build.folder() / name}")
-    return together(comm, lambda: [build.loaded(build.name_of(text), given) for text in texts])
+    return together(comm, lambda: [build.loaded(name, given) for name in names])
 
 
 def describe(error: BaseException) -> tuple[int, str, bool]:

@@ -195,9 +195,9 @@ class GasDamping(Damping):
                     self.flow_on(part, k)
             if self.sigma is not None:
                 self.fill(k, partial(self.flux, part, k))
-            for first, own, n in rows_of(part):
+            for node, row_begins, n in rows_of(part):
                 for i in each(n, vector=True):
-                    self.collect(part, k, first + i, own + i, rates)
+                    self.collect(part, k, node + i, row_begins + i, rates)
 
     def flux(self, part, k, i, l, r):
         """Return F of the difference along axis k that begins at node i."""
@@ -329,13 +329,13 @@ class SolidDamping(Damping):
             with when(self.b != 0.0):
                 self.sense(partial(self.bent, part, q), k, part.patch.ghosted[k])
             self.fill(k, partial(self.drag, part, q, k))
-            for node, own, n in rows_of(part):
+            for node, row_begins, n in rows_of(part):
                 for i in each(n, vector=True):
                     force, power, heat = self.slowed(part, q, k, node + i)
                     for c, value in enumerate((*force, power + heat), d):
-                        rates[own + i, c] += value
+                        rates[row_begins + i, c] += value
                     if part.loses:
-                        self.work[i] += part.masses[own + i] * power
+                        self.work[i] += part.masses[row_begins + i] * power
         if part.loses:
             for i in each(columns):
                 gain.lost[0] += self.work[i]

@@ -14,11 +14,11 @@ the ghosted array, in d dimensions it has
     volume: the sweep. free: first node and first beyond along each axis, first, second one of
     three, last one, of the owned nodes to whose rates nothing is added after the sweep. terms:
     functions that add to rates, by owned and by ghosted unknowns, or records with such a function
-    `add`; some do not read all they take. forcing: by components of M
-    nodes, or None: of mass, velocities and energy per mass of a gas; of velocity, temperature and
-    place of a solid. forced: whether a constant force acts, loses: whether work is booked. per_h:
-    (d,) cells of the block. room: of fsipetsc.scheme.monitor.survey. columns: name -> where a
-    series begins in the record of a step.
+    `add`; some do not read all they take. forcing: by components of M nodes, or None: of mass,
+    velocities and energy per mass of a gas; of velocity, temperature and place of a solid. forced:
+    whether a constant force acts, loses: whether work is booked. per_h: (d,) cells of the block.
+    room: of fsipetsc.scheme.monitor.survey. columns: name -> where a series begins in the record of
+    a step.
 
     Of a gas: form: of convection. around, hoops: see fsipetsc.scheme.gas_terms. column: of its
     mass in what comes in. places: (d, N) where the monitor finds the nodes. ends: nodes at the ends
@@ -26,13 +26,12 @@ the ghosted array, in d dimensions it has
     among the owned nodes, axis; factor: sign of the outward normal over the weight of the axis.
     moves: whether its grid moves; grid: see fsipetsc.blocks.grid. known: (m, 2d) displacements and
     velocities by which it moves, follows: (n,) particles here that have them, follower_rows: (n,)
-    where.
-    reference, J: (M,) J of the reference map, and of the grid, by `find_volumes`.
+    where. reference, J: (M,) J of the reference map, and of the grid, by `find_volumes`.
 
     Of a solid: inertia: (N,) J0 m0. prestress: (d d, N) what P has beside, or None. F: (d d, M), or
-    one more with hoops, as monitored last. interfaces: (n, 2) number of an
-    interface at this part in one dimension, and owned row of its node. stored_at: (n,) ghosted rows
-    of members that tell what they store, rows_of_stored: (n,) where.
+    one more with hoops, as monitored last. interfaces: (n, 2) number of an interface at this part
+    in one dimension, and owned row of its node. stored_at: (n,) ghosted rows of members that tell
+    what they store, rows_of_stored: (n,) where.
 
 ``gain`` is a record of what comes into the problem from outside. numbers: all that follow, in the
 order of the record of a step. mass: of each block of gas. lost: (1,) work on solids if it is

@@ -68,30 +68,12 @@ def convergence(arguments: list[str], comm: Comm) -> None:
     end, unit = opt["ts_max_time"], " s" * (problem.units == "SI")
     about = f"{case.NAME}, distances from the {source} in {norm} at t = {end:g}{unit}"
     study.say(f"{about}, {counted(comm.size, 'rank')}")
-    own = {**opt, "fsi_output_dt": None, "fsi_output_times": (end,), "fsi_quiet": True}
     lines, combined = list[list[object]](), list[Row]()
     with study.results_folder() as folder:
         for order in dict.fromkeys(orders):
             study.say("")
-            trials, runs = [Trial(comm, folder, order, h) for h in hs], list[Run]()
-            # closures err by order s at a fixed number of nodes
-            part = 1.0 / POWERS[norm]
-            rate = trials[0].kinked(part) if opt["fsi_shock"] > 0.0 else order // 2 + part
-            for trial in trials:
-                run = trial.solve(case, **{**own, "fsi_h": trial.h})
-                points, steps, _, seconds = (run.summary[name] for name in COST)
-                cost = f"{points:>8.0f} points{steps:>8.0f} steps{seconds:>9.2f} s"
-                study.say(f"{OPERATORS[order].name}  h = {trial.h:<9.6g}{cost}")
-                for kind, errors in run.errors.items() if exact else ():
-                    for name, error in errors.items():
-                        trial.check(f"{kind}/{name}", error, rate)
-                runs.append(run)
-            rows = rows_of(trials)
-            if not exact:
-                found = together(comm, partial(differences, runs, POWERS[norm]))
-                for name, of in found.items():
-                    known = rate if of[-1] <= RESOLVED else None
-                    rows.append(Row(name, order, hs, of, known, ROUND_OFF))
+            trials = [Trial(comm, folder, order, h) for h in hs]
+            rows, runs = measured(study, case, trials, exact)
             study.say("\n" + table([HEAD, *(row.cells for row in rows)], str.rjust))
             costs = [[run.summary[name] for name in COST] for run in runs]
             for row in rows:
@@ -101,6 +83,35 @@ def convergence(arguments: list[str], comm: Comm) -> None:
             combined += [row for row in rows if row.quantity.endswith("/combined")]
             study.on_first(partial(picture, about, combined, study.path.with_suffix(".png")))
     study.say(f"\nsaved {study.path}")
+
+
+def measured(
+    study: Study, case: Any, trials: Sequence[Trial], exact: bool
+) -> tuple[list[Row], list[Run]]:
+    """Run a case on the grids of one order, from coarse to fine, and print what each run costs.
+    exact: whether it has an exact solution. Collective.
+    """
+    opt, order, runs = study.opt, trials[0].order, list[Run]()
+    own = {**opt, "fsi_output_dt": None, "fsi_output_times": (opt["ts_max_time"],)}
+    # closures err by order s at a fixed number of nodes
+    part = 1.0 / POWERS[opt["fsi_norm"]]
+    rate = trials[0].kinked(part) if opt["fsi_shock"] > 0.0 else order // 2 + part
+    for trial in trials:
+        run = trial.solve(case, **{**own, "fsi_h": trial.h, "fsi_quiet": True})
+        points, steps, _, seconds = (run.summary[name] for name in COST)
+        cost = f"{points:>8.0f} points{steps:>8.0f} steps{seconds:>9.2f} s"
+        study.say(f"{OPERATORS[order].name}  h = {trial.h:<9.6g}{cost}")
+        for kind, errors in run.errors.items() if exact else ():
+            for name, error in errors.items():
+                trial.check(f"{kind}/{name}", error, rate)
+        runs.append(run)
+    rows, hs = rows_of(trials), [trial.h for trial in trials]
+    if not exact:
+        found = together(study.comm, partial(differences, runs, POWERS[opt["fsi_norm"]]))
+        for name, of in found.items():
+            known = rate if of[-1] <= RESOLVED else None
+            rows.append(Row(name, order, hs, of, known, ROUND_OFF))
+    return rows, runs
 
 
 def differences(runs: Sequence[Run], power: int) -> dict[str, list[float]]:
