@@ -12,13 +12,16 @@ from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from functools import reduce
 from itertools import accumulate, zip_longest
-from numbers import Integral
 from typing import Any
 
 import numpy as np
 
 from fsipetsc.kernels.printing import Line
 from fsipetsc.kernels.symbols import Record, Symbol, refuse
+
+
+#: of whole numbers that are known; to ask for numbers.Integral takes 20 times as long
+WHOLE = int, np.integer
 
 
 def _operator(form: str, neutral: int | None = None) -> Any:
@@ -70,7 +73,7 @@ class Index:
 
 def is_whole(value: Any, number: int | None) -> bool:
     """Whether a value is this whole number, which is known when it is recorded."""
-    return isinstance(value, Integral) and int(value) == number
+    return isinstance(value, WHOLE) and int(value) == number
 
 
 def index_of(value: Any) -> Index:
@@ -78,7 +81,7 @@ def index_of(value: Any) -> Index:
     value = value.pointer() if isinstance(value, Array) else value
     if isinstance(value, Index):
         return value
-    if isinstance(value, bool) or not isinstance(value, Integral):
+    if isinstance(value, bool) or not isinstance(value, WHOLE):
         raise refuse(f"{value!r} is no whole number")
     return Index(str(int(value)) if value >= 0 else f"({int(value)})")
 
@@ -291,7 +294,7 @@ class Array:
         every = zip_longest(indices, self.shape, self._steps, fillvalue=slice(None))
         for index, length, step in every:
             ends = (index.start, index.stop) if isinstance(index, slice) else (index, None)
-            first, last = (length + n if isinstance(n, Integral) and n < 0 else n for n in ends)
+            first, last = (length + n if isinstance(n, WHOLE) and n < 0 else n for n in ends)
             begin.append(0 if first is None else first * step)
             if isinstance(index, slice):
                 last = length if last is None else last
@@ -309,7 +312,7 @@ class Array:
         """Store a number, a tuple of the numbers of an axis, or the same one everywhere."""
         part = self._part(at)
         if isinstance(value, tuple):
-            if isinstance(part.shape[0], Integral) and part.shape[0] != len(value):
+            if isinstance(part.shape[0], WHOLE) and part.shape[0] != len(value):
                 raise refuse(f"{len(value)} numbers for {part.shape[0]}")
             for c, one in enumerate(value):
                 part[c] = one

@@ -67,9 +67,10 @@ class Prescribed:
         self._row = {p: [row] for row, p in enumerate(here.tolist())}
         n, d = here.size, problem.dimension
         self.data = Data(*np.zeros((6, n, d)), *np.zeros((2, n)), np.zeros((n, d + 2)))
-        first = (particle.members[0] for particle in self._particles)
-        places = [problem.places(k, np.array([node]))[0] for k, node in first]
-        self._x = np.array(places).reshape(n, d)
+        self._x, first = np.zeros((n, d)), np.array([one.members[0] for one in self._particles])
+        for k in {k for k, _ in first.tolist()}:
+            there = first[:, 0] == k
+            self._x[there] = problem.places(k, first[there, 1])
         self.sources = [
             Source(condition, make, self._x[who].T, who, *targets)
             for condition, who, make, targets in self._sources_of()
