@@ -19,7 +19,6 @@ import numpy as np
 from fsipetsc.kernels.printing import Line
 from fsipetsc.kernels.symbols import Record, Symbol, refuse
 
-
 #: of whole numbers that are known; to ask for numbers.Integral takes 20 times as long
 WHOLE = int, np.integer
 
