@@ -15,7 +15,6 @@ from mpi4py import MPI
 from fsipetsc.boundaries import Dirichlet, Open, absorbing, clamped, free
 from fsipetsc.cases import load_case
 from fsipetsc.options import defaults
-from fsipetsc.paper import rates as rates_of
 from fsipetsc.paper.paper_state import PaperState
 from fsipetsc.scheme.plan import DT, RATE, TIME
 
@@ -119,16 +118,14 @@ def test_rates_are_the_frozen_ones():
 
 
 @pytest.mark.parametrize("name", ["rod energy 8 narrow", "mms projection 6 narrow", "open"])
-def test_rates_and_steps_do_not_depend_on_pieces(name, monkeypatch):
-    """Nor on what memory had before."""
+def test_rates_and_steps_do_not_depend_on_what_memory_had(name):
     found = []
-    for piece in (192, 3):
-        monkeypatch.setattr(rates_of, "PIECE", piece)
+    for had in (0.0, np.nan):
         with state_of(**RUNS[name]) as state:
             stage = disturbed(state)
             state.set_data(0.01)
             for layer in state.layers:
-                layer.scratch[:] = np.nan
+                layer.scratch[:] = had
             found.append(np.full_like(stage, np.nan))
             state.right_hand_side(stage, found[-1])
             state.solution.getArray()[:] = stage

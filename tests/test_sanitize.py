@@ -24,7 +24,7 @@ SHORT = (
     "block_oracle.py::test_dissipation[panel-shocks]",
     "kernels.py::test_exact_sums_are_not_fused",
 )
-SHORT += ("paper_rates.py::test_rates_and_steps_do_not_depend_on_pieces[open]",)
+SHORT += ("paper_rates.py::test_rates_and_steps_do_not_depend_on_what_memory_had[open]",)
 #: without optimization all checks are made
 FLAGS = "-O0 -g -fsanitize=address,undefined -fsanitize-recover=address,undefined"
 NAN_IN_NEW_MEMORY = "max_malloc_fill_size=1000000000:malloc_fill_byte=255"

@@ -21,11 +21,12 @@ from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.loops import named
 from fsipetsc.operators.sbp import SBPOperator, row_length
 from fsipetsc.paper.ends import OF_GAS, degree_of
-from fsipetsc.paper.rates import PIECE, ROWS, Gas
+from fsipetsc.paper.rates import ROWS, Gas
 from fsipetsc.paper.stencils import closure_of, halo_of_rates
 from fsipetsc.parallel.block_shares import Extent, Share, share_out
 from fsipetsc.parallel.exchange import Route
 from fsipetsc.problem import Problem, check_place
+from fsipetsc.scheme.monitor import COLUMNS
 
 #: kind of layer -> unknowns of a point
 DOF = {"fluid": 3, "solid": 4}
@@ -98,8 +99,9 @@ class Layer(SimpleNamespace):
     layer: as the case has it, which is number ``number``. ends: what stands at the left and the
     right end, None at an interface; end_x: where that of a gas stands; given: (2, 5), data of both
     (fsipetsc.boundaries). material: as formulas; gamma of a gas. closure: of op, as numbers.
-    narrow: with narrow second derivatives. least: active points that it needs. share: of all ranks.
-    at, begin: of its numbers in the memory of all layers, and in this rank's part of a solution.
+    narrow: with narrow second derivatives; adds: rates are added to these, or to forcing. least:
+    active points that it needs. share: of all ranks. at, begin: of its numbers in the memory of all
+    layers, and in this rank's part of a solution.
 
     active: the first and the last active point: in a gas interface point and ghost point. frame:
     velocity of the grid, that of the interface point, and x of the interface. local, y, total,
@@ -244,7 +246,8 @@ def layers_of(
         v.at, v.begin, v.active, v.frame = at[k], begin, np.array([lo, hi]), planes[0, 2 * k :][:2]
         v.local, v.y, v.total = (of[at[k] : at[k + 1]].reshape(shape) for of in planes)
         v.forcing = np.zeros(shape) if layer.forcing is not None else None
-        v.scratch = np.zeros((ROWS, max(size, PIECE + 2 * halo)))
+        v.adds = v.narrow or layer.forcing is not None
+        v.scratch = np.zeros((ROWS, max(size + halo, COLUMNS)))
         at_right = v.is_gas and k == 0  # X are counted from the interface
         v.X = layer.X[at_right] + (v.numbers - hi * at_right) * h
         found.append(v)

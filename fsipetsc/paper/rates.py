@@ -16,8 +16,8 @@ rho = m0 / x_X:
     alpha m0 T_t = (sigma - p) u_X + (kappa_e / x_X T_X)_X
     x_t          = u
 
-D acts twice, mu and kappa may vary; rates need values within twice the reach of D. The loops work
-on a row of scratch for each quantity. A layer is a fsipetsc.paper.layers.Layer.
+D acts twice, mu and kappa may vary; rates need values within twice the reach of D. Each quantity
+has a row of scratch. A layer is a fsipetsc.paper.layers.Layer.
 
 After a step each layer finds 1/dt [1/s] at Courant number 1, by convection and diffusion, and this
 rank's share of the masses of the gases [kg/m2], then of energy [J/m2] and momentum [N s/m2] of all
@@ -31,17 +31,14 @@ from fsipetsc.equations import gas
 from fsipetsc.kernels.loops import each, named, number, pick, variable, when
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.paper.ends import beyond_boundary, distance, end_of, fill_ghost, move_boundary
-from fsipetsc.paper.stencils import STIFFNESS, add_remainder, derivatives, halo_of_rates, near_ends
+from fsipetsc.paper.stencils import STIFFNESS, add_remainder, derivatives, near_ends
 from fsipetsc.scheme.monitor import rate_of, survey
 from fsipetsc.scheme.plan import BAD, DT, OFF_GRID, RATE, SAID_STOP, STAGES, STOP, next_stage
 
 #: rows of scratch, and with those of rates
 SCRATCH, ROWS = 12, 16
-#: points whose rates are found together: their rows stay in the fastest memory
-PIECE = 192
 #: in place of a stage: its rates take its place, and there is no next one
 RATES_ALONE = STAGES
-
 #: numbers of an interface that are noted
 NOTES = 8
 #: of the points 0 to 3: coefficients of delta, delta^2 ... in the integral from the ghost point (0)
@@ -75,41 +72,41 @@ def widened(span, reach):
     return named(np.maximum(A, a - reach)), named(np.minimum(B + 1, b + reach))
 
 
-def pieces(layer, stage):
-    """Yield (w, k, span) for each piece of the points: rows of scratch, rows for the rates, and the
-    span of the piece. Where rates are added to forcing or to narrow terms, k has the forcing, or 0.
-
-    After a piece the points that no later piece reads get their next stage: their rates and
-    unknowns are still in the fastest memory.
-    """
-    (begin, end, A, B), behind = layer.span, halo_of_rates(layer.op)
-    rates = layer.scratch[SCRATCH:]
-    for piece in each((end - begin + (PIECE - 1)) // PIECE):
-        a = named(begin + piece * PIECE)
-        b = named(np.minimum(a + PIECE, end))
-        # point 0 of these rows is before their first number: they begin shortly before point a
-        of_piece = (rows.reshape(-1)[behind - a :] for rows in (layer.scratch, rates))
-        w, k = (flat.reshape(*rows.shape) for flat, rows in zip(of_piece, (layer.scratch, rates)))
-        for c in each(layer.local.shape[0]) if adds(layer) else ():
-            for i in each(a, b, vector=True):
-                k[c, i] = 0.0 if layer.forcing is None else layer.forcing[c, i]
-        yield w, k, (a, b, A, B)
-        first, last = np.maximum(begin, a - behind), np.maximum(begin, b - behind)
-        advance(layer, stage, k, named(first), pick(b == end, end, last))
-        for c in each(layer.local.shape[0]):
-            for i in each(behind):
-                rates[c, i] = rates[c, i + PIECE]
-
-
-def adds(layer):
-    """Whether rates are added to forcing, or to narrow terms."""
-    return layer.forcing is not None or layer.narrow
+def rows_of_rates(layer):
+    """Rows for the rates, which have the forcing, or 0, where rates are added to something."""
+    (a, b, _, _), k = layer.span, layer.scratch[SCRATCH:]
+    for c in each(layer.local.shape[0]) if layer.adds else ():
+        for i in each(a, b, vector=True):
+            k[c, i] = 0.0 if layer.forcing is None else layer.forcing[c, i]
+    return k
 
 
 def put(layer, k, i, rates):
     """Store the rates of a point, or add them to what is there."""
     for c, rate in enumerate(rates):
-        k[c, i] = k[c, i] + rate if adds(layer) else rate
+        k[c, i] = k[c, i] + rate if layer.adds else rate
+
+
+def advance(layer, now, k):
+    """Replace the stage by the next one (fsipetsc.scheme.plan.next_stage), from the rates k. now:
+    (1,) its number, or RATES_ALONE, where rates take its place.
+    """
+    (a, b, _, _), dt = layer.span, layer.steps.batch[DT]
+    for stage in range(STAGES + 1):
+        with when(now[0] == float(stage)):
+            for c in each(layer.local.shape[0]):
+                q, y, total = layer.local[c], layer.y[c], layer.total[c]
+                for i in each(a, b, vector=True):
+                    if stage == RATES_ALONE:
+                        q[i] = k[c, i]
+                        continue
+                    base = y[i] if stage else q[i]
+                    before = total[i] if stage else base
+                    q[i], new_total = next_stage(stage, dt, k[c, i], base, before)
+                    if stage == 0:
+                        y[i] = base
+                    if stage < 3:
+                        total[i] = new_total
 
 
 def entropy_keeping(gas, rho, m, e, rho_t, m_t, e_t, u_X):
@@ -133,41 +130,43 @@ def fluxes(gas, s, unknowns, u, T, u_X, T_X):
     return rho * relative, m * relative + pressing, energy
 
 
-def gas_rates(layer, stage):
-    """Find the rates of (4.20)."""
-    op, gas, kind, per_h, s = layer.op, layer.material, end_of(layer), 1.0 / layer.h, layer.frame[0]
+def gas_rates(layer, now):
+    """The rates of (4.20), and what becomes of them."""
+    op, gas, end, per_h, s = layer.op, layer.material, end_of(layer), 1.0 / layer.h, layer.frame[0]
+    w, k, span = layer.scratch, rows_of_rates(layer), layer.span
     (force,), (rho, m, e) = gas.force, (layer.local[c] for c in range(3))
-    for w, k, span in pieces(layer, stage):
-        u, T, u_X, T_X, f, g, h = (w[c] for c in range(7))
-        (f0, f1), (v0, v1) = (widened(span, reach) for reach in (op.reach, 2 * op.reach))
-        for i in each(v0, v1, vector=True):
-            r = 1.0 / rho[i]
-            v = m[i] * r
-            u[i], T[i] = v, gas.law.temperature(rho[i], e[i] * r - 0.5 * v * v)
-        _, _, A, B = span
-        ghost, interface = (B, A) if layer.side else (A, B)
-        if kind.gradient:  # u and T of the ghost point are others from here on, for the gradients
-            own_u, own_T = variable(), variable()
-            with when((v0 <= ghost) & (ghost < v1)):
-                own_u.value, own_T.value = u[ghost], T[ghost]
-                u[ghost], T[ghost] = kind(layer, ghost).gradient()
-        if layer.narrow:
-            narrow_gas(layer, w, k, span)
-        for i, _, gradients in derivatives(layer, (u, T), (f0, f1, A, B), per_h):
+    u, T, u_X, T_X, f, g, h = (w[c] for c in range(7))
+    (f0, f1), (v0, v1) = (widened(span, reach) for reach in (op.reach, 2 * op.reach))
+    for i in each(v0, v1, vector=True):
+        r = 1.0 / rho[i]
+        v = m[i] * r
+        u[i], T[i] = v, gas.law.temperature(rho[i], e[i] * r - 0.5 * v * v)
+    _, _, A, B = span
+    ghost, interface = (B, A) if layer.side else (A, B)
+    if end.gradient:  # u and T of the ghost point are others from here on, for the gradients
+        own_u, own_T = variable(), variable()
+        with when((v0 <= ghost) & (ghost < v1)):
+            own_u.value, own_T.value = u[ghost], T[ghost]
+            u[ghost], T[ghost] = end(layer, ghost).gradient()
+    if layer.narrow:
+        narrow_gas(layer, w, k, span)
+    for i, near, gradients in derivatives(layer, (u, T), (f0, f1, A, B), per_h):
+        if near:  # the two end points are needed again
             u_X[i], T_X[i] = gradients
-            unknowns = rho[i], m[i], e[i]
-            f[i], g[i], h[i] = fluxes(gas, s, unknowns, u[i], T[i], *gradients)
-        if kind.gradient:
-            with when((f0 <= ghost) & (ghost < f1)):
-                of_ghost = own_u.value, own_T.value, u_X[ghost], T_X[ghost]
-                unknowns = rho[ghost], m[ghost], e[ghost]
-                f[ghost], g[ghost], h[ghost] = fluxes(gas, s, unknowns, *of_ghost)
-        for i, near, (f_X, g_X, h_X) in derivatives(layer, (f, g, h), span, per_h):
-            if near and near[1] is interface:
-                rates = -f_X, -g_X, -h_X
-                more = entropy_keeping(gas, rho[i], m[i], e[i], *rates, u_X[i])
-                h_X = np.where((gas.kappa == 0.0) & (near[0] == 0), h_X - more, h_X)
-            put(layer, k, i, (-f_X, force * rho[i] - g_X, force * m[i] - h_X))
+        unknowns = rho[i], m[i], e[i]
+        f[i], g[i], h[i] = fluxes(gas, s, unknowns, u[i], T[i], *gradients)
+    if end.gradient:
+        with when((f0 <= ghost) & (ghost < f1)):
+            of_ghost = own_u.value, own_T.value, u_X[ghost], T_X[ghost]
+            unknowns = rho[ghost], m[ghost], e[ghost]
+            f[ghost], g[ghost], h[ghost] = fluxes(gas, s, unknowns, *of_ghost)
+    for i, near, (f_X, g_X, h_X) in derivatives(layer, (f, g, h), span, per_h):
+        if near and near[1] is interface:
+            rates = -f_X, -g_X, -h_X
+            more = entropy_keeping(gas, rho[i], m[i], e[i], *rates, u_X[i])
+            h_X = np.where((gas.kappa == 0.0) & (near[0] == 0), h_X - more, h_X)
+        put(layer, k, i, (-f_X, force * rho[i] - g_X, force * m[i] - h_X))
+    advance(layer, now, k)
 
 
 def narrow_gas(layer, w, k, span):
@@ -182,55 +181,33 @@ def narrow_gas(layer, w, k, span):
         add_remainder(layer, -1.0 / (layer.h * layer.h), w[7 + term], y, scratch, rate, span)
 
 
-def elastic_rates(layer, stage):
-    """Find the rates of (4.19)."""
+def elastic_rates(layer, now):
+    """The rates of (4.19), and what becomes of them."""
     op, solid, per_h = layer.op, layer.material, 1.0 / layer.h
+    w, k, span = layer.scratch, rows_of_rates(layer), layer.span
     u, sigma, T, x = (layer.local[c] for c in range(4))
-    for w, k, span in pieces(layer, stage):
-        net, conducted, shorter = (w[c] for c in range(3))
-        wider = (*widened(span, op.reach), *span[2:])
-        for i, _, (T_X, x_X) in derivatives(layer, (T, x), wider, per_h):
-            r = 1.0 / x_X
-            shorter[i], net[i] = r, sigma[i] - solid.pressure(T[i], x_X)
-            conducted[i] = solid.kappa_e * r * T_X
-        if layer.narrow:
-            scale, (by, *scratch) = layer.h * layer.h * solid.alpha * solid.m0, (w[3], w[4], w[5])
-            for i in each(*widened(span, min(op.reach, 2 * op.p)), vector=True):
-                by[i] = solid.kappa_e * shorter[i]
-            add_remainder(layer, -1.0 / scale, by, T, scratch, k[2], span)
-        for i, _, (u_X, net_X, conducted_X) in derivatives(layer, (u, net, conducted), span, per_h):
-            acceleration = net_X / solid.m0 + solid.force
-            warming = (net[i] * u_X + conducted_X) / (solid.alpha * solid.m0)
-            put(layer, k, i, (acceleration, solid.K * shorter[i] * u_X, warming, u[i]))
+    net, conducted, shorter = (w[c] for c in range(3))
+    wider = (*widened(span, op.reach), *span[2:])
+    for i, _, (T_X, x_X) in derivatives(layer, (T, x), wider, per_h):
+        r = 1.0 / x_X
+        shorter[i], net[i] = r, sigma[i] - solid.pressure(T[i], x_X)
+        conducted[i] = solid.kappa_e * r * T_X
+    if layer.narrow:
+        scale, (by, *scratch) = layer.h * layer.h * solid.alpha * solid.m0, (w[3], w[4], w[5])
+        for i in each(*widened(span, min(op.reach, 2 * op.p)), vector=True):
+            by[i] = solid.kappa_e * shorter[i]
+        add_remainder(layer, -1.0 / scale, by, T, scratch, k[2], span)
+    for i, _, (u_X, net_X, conducted_X) in derivatives(layer, (u, net, conducted), span, per_h):
+        acceleration = net_X / solid.m0 + solid.force
+        warming = (net[i] * u_X + conducted_X) / (solid.alpha * solid.m0)
+        put(layer, k, i, (acceleration, solid.K * shorter[i] * u_X, warming, u[i]))
+    advance(layer, now, k)
 
 
 def stretch(layer):
     """scratch[0] = h x_X of a solid, at the active ones of this rank's points."""
     for i, _, (x_X,) in derivatives(layer, [layer.local[3]], layer.span, 1.0):
         layer.scratch[0, i] = x_X
-
-
-def advance(layer, now, rates, first, end):
-    """Replace the stage of some points by the next one (fsipetsc.scheme.plan.next_stage). now: (1,)
-    its number, or RATES_ALONE, where rates take its place.
-    """
-    dt = layer.steps.batch[DT]
-    for stage in range(STAGES + 1):
-        with when(now[0] == float(stage)):
-            for c in each(layer.local.shape[0]):
-                q, y, total = layer.local[c], layer.y[c], layer.total[c]
-                for i in each(first, end, vector=True):
-                    k = rates[c, i]
-                    if stage == RATES_ALONE:
-                        q[i] = k
-                        continue
-                    base = y[i] if stage else q[i]
-                    before = total[i] if stage else base
-                    q[i], new_total = next_stage(stage, dt, k, base, before)
-                    if stage == 0:
-                        y[i] = base
-                    if stage < 3:
-                        total[i] = new_total
 
 
 # after a step. steps: one record for all layers of this rank. batch, results: fsipetsc.scheme.plan;

@@ -103,9 +103,10 @@ def derivatives(layer, rows, span, scale):
 
 
 def add_remainder(layer, scale, b, y, scratch, out, span):
-    """out[i] += scale H^-1 R(b) y at the points of a span; scratch: two rows, which begin 2p before
-    the first point."""
+    """out[i] += scale H^-1 R(b) y at the points of a span; scratch: two rows, which have 2p
+    numbers more than there are points."""
     op, (begin, end, A, B), (g, sums) = layer.op, span, scratch
+    g = g[2 * op.p :]  # some differences begin before the first point
     means, T = MEANS[op.order], len(_ENDS[op.order])
     sums[begin:end] = 0.0
     for q, of_mean in enumerate(means, op.p + 1):
