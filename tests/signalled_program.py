@@ -59,7 +59,7 @@ def put_signalled(path: Path, content: bytes) -> None:
 put, file_layout.put = file_layout.put, put_signalled
 signalled(writer.RunWriter, "write_frame", "frame")
 signalled(writer, "publish", "piece")
-signalled(writer, "join", "join")
+signalled(writer.RunWriter, "_join", "join")
 signalled(writer, "clear", "clear")
 if __name__ == "__main__":
     sys.exit(cli.main())

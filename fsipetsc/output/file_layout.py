@@ -180,12 +180,6 @@ def columns_of(header: Mapping[str, Any]) -> dict[str, list[str]]:
     }
 
 
-def columns(layer: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return names of the stored columns of a layer of the header."""
-    fields = tuple(layer["fields"])
-    return fields if "x" in fields else (*fields, "x")
-
-
 class CheckpointError(FileError):
     """A checkpoint could not be written; the result may well be."""
 
@@ -242,41 +236,42 @@ def write_xdmf(run: Any) -> None:
     target = beside(run.path, ".xdmf")
     if target.exists() and b"<Xdmf" not in target.read_bytes()[:200]:
         raise FileError(f"{target}: is no XDMF of a result, and is left; {run.path} is complete")
-    frames = []
+    kind, frames = 'GridType="Collection" CollectionType', ""
     for frame, t in enumerate(run.time.tolist()):
         blocks = "".join(_block(run, k, frame) for k in range(len(run.layers)))
-        about = {"Name": f"frame {frame}", "GridType": "Collection", "CollectionType": "Spatial"}
-        frames.append(_tag("Grid", _tag("Time", Value=repr(t)) + blocks, **about) + "\n")
-    about = {"Name": run.case, "GridType": "Collection", "CollectionType": "Temporal"}
-    series = _tag("Grid", "".join(frames), **about)
-    put(target, _tag("Xdmf", _tag("Domain", series), Version="2.0").encode())
-
-
-def _tag(name: str, content: str = "", **attributes: str) -> str:
-    about = "".join(f' {key}="{escape(text)}"' for key, text in attributes.items())
-    return f"<{name}{about}>{content}</{name}>"
+        about = f'Name="frame {frame}" {kind}="Spatial"'
+        frames += f'<Grid {about}><Time Value="{t!r}"/>{blocks}</Grid>\n'
+    series = f'<Grid Name="{escape(run.case)}" {kind}="Temporal">{frames}</Grid>'
+    put(target, f'<Xdmf Version="2.0"><Domain>{series}</Domain></Xdmf>'.encode())
 
 
 def _block(run: Any, k: int, frame: int) -> str:
     layer, d, file = run.layers[k], run.dimension, escape(os.path.basename(run.path))
-    shape = " ".join(map(str, layer.shape))
+    shape, letters = " ".join(map(str, layer.shape)), "XYZ"[:d]
     size = f"1 {shape}" if d == 2 else shape
-    number = {"NumberType": "Float", "Precision": "8", "Format": "HDF"}
 
     def slab(field: str) -> str:
-        part, source = f"{frame}{' 0' * d} 1{' 1' * d} 1 {shape}", f"{file}:/layer{k}/{field}"
-        items = _tag("DataItem", part, Dimensions=f"3 {d + 1}", Format="XML")
-        items += _tag("DataItem", source, Dimensions=f"{run.nframes} {shape}", **number)
-        return _tag("DataItem", items, ItemType="HyperSlab", Dimensions=size)
+        return (
+            f'<DataItem ItemType="HyperSlab" Dimensions="{size}">'
+            f'<DataItem Dimensions="3 {d + 1}" Format="XML">'
+            f"{frame}{' 0' * d} 1{' 1' * d} 1 {shape}</DataItem>"
+            f'<DataItem Dimensions="{run.nframes} {shape}" NumberType="Float" Precision="8" '
+            f'Format="HDF">{file}:/layer{k}/{field}</DataItem></DataItem>'
+        )
 
     def vectors(fields: str) -> str:
-        join = f"JOIN({', '.join(f'${n}' for n in range(d))})"
-        about = {"ItemType": "Function", "Function": join, "Dimensions": f"{size} {d}"}
-        return _tag("DataItem", "".join(map(slab, fields[:d])), **about)
+        join = f'Function="JOIN({", ".join(f"${n}" for n in range(d))})"'
+        slabs = "".join(map(slab, fields[:d]))
+        return f'<DataItem ItemType="Function" {join} Dimensions="{size} {d}">{slabs}</DataItem>'
 
     known = {name: ("Scalar", slab(name)) for name in layer.fields if name not in "xyz"[:d]}
-    parts = [_tag("Topology", TopologyType="3DSMesh", Dimensions=size)]
-    parts.append(_tag("Geometry", vectors("xyz"), GeometryType="XYZ"[:d]))
-    for name, (kind, data) in {**known, "velocity": ("Vector", vectors("uvw"))}.items():
-        parts.append(_tag("Attribute", data, Name=name, AttributeType=kind, Center="Node"))
-    return _tag("Grid", "".join(parts), Name=layer.name, GridType="Uniform")
+    known["velocity"] = "Vector", vectors("uvw")
+    fields = "".join(
+        f'<Attribute Name="{name}" AttributeType="{kind}" Center="Node">{data}</Attribute>'
+        for name, (kind, data) in known.items()
+    )
+    return (
+        f'<Grid Name="{escape(layer.name)}" GridType="Uniform">'
+        f'<Topology TopologyType="3DSMesh" Dimensions="{size}"/>'
+        f'<Geometry GeometryType="{letters}">{vectors("xyz")}</Geometry>{fields}</Grid>'
+    )

@@ -1,12 +1,4 @@
-"""Opens the result of a run, finished or not. Needs numpy and h5py only.
-
-Example::
-
-    with fsipetsc.open_run("rod.h5") as run:
-        fluid, solid = run.layers[:2]
-        frame = run.at(0.45)
-        plt.plot(fluid.x[frame], fluid["T"][frame], solid.x[frame], solid["T"][frame])
-"""
+"""Opens the result of a run, finished or not. Needs numpy and h5py only."""
 
 from __future__ import annotations
 
@@ -76,11 +68,9 @@ class Run:
             called = short(path)
             with layout.damage(called), layout.open_h5(path) as file:
                 about: dict[str, Any] = json.loads(file["about"][()] if "about" in file else "{}")
-                if about.get("format") != layout.FORMAT:
-                    raise FileError(f"{called}: is not a result of fsipetsc")
-                if about["version"] != layout.VERSION:
-                    said = f"has the file format {about['version']}"
-                    raise FileError(f"{called}: {said}, and this fsipetsc reads {layout.VERSION}")
+                if (about.get("format"), about.get("version")) != (layout.FORMAT, layout.VERSION):
+                    said = f"is not a result of fsipetsc, in its file format {layout.VERSION}"
+                    raise FileError(f"{called}: {said}")
                 layers = about["header"]["layers"]
                 times.append(layout.numbers(file["time"], None))
                 self._files.append((path, len(times[-1])))
@@ -182,7 +172,7 @@ class Layer(Mapping[str, Array]):
     def __init__(self, run: Run, number: int, entry: Mapping[str, Any], nodes: Array) -> None:
         self.name: str = entry["name"]
         self.kind: str = entry["kind"]
-        self.fields = layout.columns(entry)
+        self.fields = tuple(dict.fromkeys([*entry["fields"], "x"]))
         self._run, self._number, self._kept = run, number, dict[str, Array]()
         d = len(entry["shape"])
         self.shape: tuple[int, ...] = tuple(entry["shape"]) if len(nodes) else (0,) * d

@@ -27,8 +27,8 @@ from petsc4py import PETSc
 from fsipetsc.checks import Array
 from fsipetsc.errors import FileError, FsiError
 from fsipetsc.output import file_layout as layout
-from fsipetsc.output.file_layout import beside, columns, publish
-from fsipetsc.output.reader import Run, open_run
+from fsipetsc.output.file_layout import beside, publish
+from fsipetsc.output.reader import open_run
 from fsipetsc.process.together import together
 
 Result = TypeVar("Result")
@@ -72,7 +72,7 @@ class RunWriter:
         # empty when they are written
         self._grids = [X[:, 0] if X.shape[1] == 1 else X for X in grids]
         self._points = [math.prod(layer["shape"]) for layer in header["layers"]]  # of all ranks
-        self._widths = [len(columns(layer)) for layer in header["layers"]]
+        self._widths = [len({*layer["fields"], "x"}) for layer in header["layers"]]
         size = 8 * int(np.dot(self._points, self._widths))
         self._capacity = max(1, min(FRAMES, BYTES * comm.size // max(1, size)))
         self._begun = time.monotonic()
@@ -81,7 +81,11 @@ class RunWriter:
         self._times: list[float] = []  # of these
         self._new_rows: list[Array] = []  # likewise; on rank 0
         self._lock: IO[str] | None = None  # on rank 0
-        self._about = _plain({"format": layout.FORMAT, "version": layout.VERSION, "header": header})
+        self._about: dict[str, Any] = {
+            "format": layout.FORMAT,
+            "version": layout.VERSION,
+            "header": header,
+        }
         self.path = Path(os.path.realpath(path))
         self.folder = beside(self.path, ".parts")
         self.moved: list[tuple[Path, Path]] = []
@@ -98,25 +102,22 @@ class RunWriter:
         self._frames.append([np.array(of, float) for of in {**none, **fields}.values()])
         self._times.append(t)
         self.nframes += 1
-        self.write_series(at_once=len(self._frames) >= self._capacity)
+        self.flush(now=len(self._frames) >= self._capacity)
 
-    def write_series(self, at_once: bool = False) -> None:
-        """Take the steps that have been made; write all that is held in memory at once, or if it is
+    def flush(self, now: bool = True) -> None:
+        """Take the steps that have been made; write all that is held in memory, now or if it is
         time. Collective.
         """
         begun, rows = time.monotonic(), self._take_series()
         if self._root and len(rows):
             self._new_rows.append(rows.copy())
-        held, due = bool(self._frames or self._new_rows), at_once or begun >= self._next_flush
+        held, due = bool(self._frames or self._new_rows), now or begun >= self._next_flush
         if self._comm.bcast(held and due):
             self._piece()
-            now = time.monotonic()
+            done = time.monotonic()
             # writing takes at most 2 % of the time, and a long run has some hundred pieces at most
-            self._next_flush = now + max(SECONDS, 50 * (now - begun), 0.01 * (now - self._begun))
-
-    def flush(self) -> None:
-        """Write all that is held in memory. Collective."""
-        self.write_series(at_once=True)
+            least = max(SECONDS, 50 * (done - begun), 0.01 * (done - self._begun))
+            self._next_flush = done + least
 
     def finish(
         self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None = None, join: bool = True
@@ -125,7 +126,7 @@ class RunWriter:
         into one file, which takes as long as it is large. Collective.
         """
         self.flush()
-        self._about |= _plain({"summary": summary, "errors": errors or {}})
+        self._about |= {"summary": summary, "errors": errors or {}}
         self._piece()
         if join:
             self._on_root(self._join)
@@ -152,18 +153,18 @@ class RunWriter:
             if self._grids:
                 parts[f"layer{k}/X"] = self._grids[k], n
         shapes = {name: (n, *local.shape[1:]) for name, (local, n) in parts.items()}
-        numbers = {"about": np.bytes_(json.dumps(self._about)), "time": np.array(self._times)}
+        numbers = {"time": np.array(self._times)}
         if self._new_rows:
             rows = np.concatenate(self._new_rows)
             numbers |= {f"series/{name}": rows[name] for name in rows.dtype.names}
-        self._on_root(lambda: lay_out(self._draft, layout.image(numbers, shapes, _CHUNK), shapes))
+        self._on_root(lambda: self._lay_out(numbers, shapes, _CHUNK))
         if parts:
             # HDF5 would print what it met on its way to a file that this rank cannot open
             self._together(lambda: open(self._draft, "r+b").close())
             viewer = PETSc.ViewerHDF5()
             self._together(lambda: viewer.create(str(self._draft), mode="a", comm=self._comm))
             for name, (local, _) in parts.items():
-                self._together(partial(view, self._comm, viewer, name, local))
+                self._together(partial(self._view, viewer, name, local))
             self._together(viewer.destroy)
             self._grids.clear()
         self._on_root(lambda: publish(self._draft, self._draft.with_suffix(".h5")))
@@ -171,6 +172,19 @@ class RunWriter:
         self._number += 1
         for written in (self._frames, self._times, self._new_rows):
             written.clear()
+
+    def _view(self, viewer: PETSc.Viewer, name: str, local: Array) -> None:
+        """Write this rank's part of a dataset."""
+        # a Vec of the world, of local length zero where the rank owns nothing: that of a part of
+        # the ranks would lose data
+        sizes = {"size": (local.size, None), "bsize": math.prod(local.shape[1:])}
+        vec = PETSc.Vec().createWithArray(np.ascontiguousarray(local), **sizes, comm=self._comm)
+        group, dataset = name.split("/")
+        vec.setName(dataset)
+        viewer.pushGroup(f"/{group}")
+        vec.view(viewer)
+        viewer.popGroup()
+        vec.destroy()
 
     # failing together
 
@@ -192,72 +206,77 @@ class RunWriter:
     def _draft(self) -> Path:
         return layout.piece(self.folder, self._number, ".new")
 
+    def _lay_out(self, numbers: dict[str, Any], shapes: dict[str, Any], chunk: int = 0) -> None:
+        """Write a draft with these numbers, in which datasets of these shapes are to be filled."""
+        words = json.dumps(self._about, default=lambda v: getattr(v, "tolist", v.__str__)())
+        content = layout.image({"about": np.bytes_(words), **numbers}, shapes, chunk)
+        room = sum(8 * math.prod(shape) + 1024 for shape in shapes.values())
+        with open(self._draft, "wb") as file:
+            file.write(content)
+            file.flush()
+            # HDF5 crashes when it closes a file on a full disk, so what it needs is reserved before
+            if hasattr(os, "posix_fallocate"):
+                os.posix_fallocate(file.fileno(), len(content), room + _SPARE)
+
     def _begin(
         self, after: tuple[int, int, float] | None, checkpoint: Path | None
     ) -> tuple[int, int]:
-        """Make the folder. Its first piece is what is kept; another result of this name gets a new
-        name. Return how many frames and rows are kept.
+        """Make the folder. Its first piece is what is kept; all else of this name gets a new name.
+        Return how many frames and rows are kept.
         """
         if os.path.lexists(self.path) and not self.path.is_file():  # such as /dev/null
             raise FileError(f"{self.path}: exists and is not a regular file")
-        self._lock = lock(self.folder, str(self.path))
-        left = layout.pieces(self.folder)
-        earlier = [self.path] * self.path.exists()
-        marks = {_mark(file) for file in (*earlier, *left[:1])}
-        kept = after is not None and self._about["header"].get("run") in marks
-        if kept and len(marks) > 1:
-            said = f"has pieces of another run than {self.path.name}; move one of them away"
-            raise FileError(f"{self.folder}: {said}")
-        if kept:
-            self._join(after)
-            os.replace(self.path, layout.piece(self.folder, 1))
-            earlier.clear()
-        if checkpoint is not None:
-            earlier.append(checkpoint)
-        self.moved += [(file, set_aside(file)) for file in earlier]
-        if left and not kept:  # the lock goes with them
-            self.moved.append((self.folder, set_aside(self.folder)))
+        self._lock, run = lock(self.folder, str(self.path)), self._about["header"].get("run")
+        found = {self.path: self.path, layout.piece(self.folder, 1): self.folder}
+        there = {file: whole for file, whole in found.items() if file.exists()}
+        others = [of for file, of in there.items() if after is None or _mark(file) != run]
+        kept = after if len(others) < len(there) else None
+        self.moved += [(file, set_aside(file)) for file in others]
+        if self.folder in others:  # the lock goes with it
             self._lock.close()
             self._lock = lock(self.folder, str(self.path))
-        elif not kept:  # pieces behind a gap, which a kill has left
+        if kept:
+            self._join(kept)
+            os.replace(self.path, layout.piece(self.folder, 1))
+        else:  # pieces behind a gap, which a kill has left
             clear(self.folder)
-        return after[:2] if kept else (0, 0)
+        if checkpoint is not None:
+            self.moved.append((checkpoint, set_aside(checkpoint)))
+        return kept[:2] if kept else (0, 0)
 
     def _join(self, after: tuple[int, int, float] | None = None) -> None:
-        """Make one file of all pieces, or of what is kept of a result."""
+        """Make one file of all pieces, or of what is kept of a result. OSError; FileError if it is
+        damaged, or has not what is kept.
+        """
         run = open_run(self.path)
         ends = run.series.get("t", np.empty(0))
-        frames, rows = run.nframes, len(ends)
-        if after is not None:
-            frames, rows, t = after
-            ended = t if rows == 0 else ends[rows - 1] if rows <= len(ends) else math.nan
-            if run.nframes < frames or ended != t:
-                found = f"it has {run.nframes} frames, and its step {rows} ends at t = {ended:.17g}"
-                what = f"{self.path} is not what the checkpoint goes on from"
-                raise FileError(f"{what}: {found}, not {t:.17g}")
-        join(run, self._draft, self._about, frames, rows)
+        frames, rows, t = after or (run.nframes, len(ends), math.nan)
+        ended = ends[rows - 1] if 0 < rows <= len(ends) else math.nan
+        if after and (run.nframes < frames or (rows and ended != t)):
+            found = f"it has {run.nframes} frames, and its step {rows} ends at t = {ended:.17g}"
+            what = f"{self.path} is not what the checkpoint goes on from"
+            raise FileError(f"{what}: {found}, not {t:.17g}")
+        numbers = {"time": run.time[:frames]}
+        shapes = {f"series/{name}": (rows, *of.shape[1:]) for name, of in run.series.items()}
+        layers = dict(enumerate(run.layers if frames else ()))
+        for k, layer in layers.items():
+            d = len(layer.shape)
+            numbers[f"layer{k}/X"] = layer.places.reshape(-1, d) if d > 1 else layer.places[:, 0]
+            shapes |= {f"layer{k}/{name}": (frames, *layer.shape) for name in layer.fields}
+        self._lay_out(numbers, shapes)
+        with layout.open_h5(self._draft, "r+") as file:
+            for name, values in run.series.items():
+                file[f"series/{name}"][:] = values[:rows]
+            for k, layer in layers.items():
+                step = max(1, BYTES // (8 * math.prod(layer.shape) * len(layer.fields)))
+                for first in range(0, frames, step):
+                    end = min(first + step, frames)
+                    for name, values in zip(layer.fields, layer.read(layer.fields, first, end)):
+                        file[f"layer{k}/{name}"][first:end] = values
+        publish(self._draft, self.path)
         clear(self.folder)
         if run.dimension > 1 and after is None:
             layout.write_xdmf(run)
-
-
-def view(comm: MPI.Comm, viewer: PETSc.Viewer, name: str, local: Array) -> None:
-    """Write this rank's part of a dataset of the piece in the making. Collective."""
-    # a Vec of the world, of local length zero where the rank owns nothing: that of a part of
-    # the ranks would lose data
-    size, width = (local.size, None), math.prod(local.shape[1:])
-    vec = PETSc.Vec().createWithArray(np.ascontiguousarray(local), size, bsize=width, comm=comm)
-    group, dataset = name.split("/")
-    vec.setName(dataset)
-    viewer.pushGroup(f"/{group}")
-    vec.view(viewer)
-    viewer.popGroup()
-    vec.destroy()
-
-
-def _plain(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the data as JSON can say it."""
-    return json.loads(json.dumps(data, default=lambda v: getattr(v, "tolist", v.__str__)()))
 
 
 def _mark(file: Path) -> str | None:
@@ -295,44 +314,9 @@ def set_aside(file: Path) -> Path:
     """
     ending = file.suffix * (file.suffix in (".h5", ".parts"))
     stem = str(file).removesuffix(ending)
-    free = (
-        f"{stem}.{k}{ending}"
+    number = next(
+        k
         for k in count(1)
         if not any(os.path.lexists(f"{stem}.{k}{end}") for end in (ending, ".h5", ".parts"))
     )
-    return file.rename(next(free))
-
-
-def lay_out(draft: Path, content: bytes, shapes: Mapping[str, tuple[int, ...]]) -> None:
-    """Write a file in which datasets of these shapes are still to be filled. OSError."""
-    room = sum(8 * math.prod(shape) + 1024 for shape in shapes.values())
-    with open(draft, "wb") as file:
-        file.write(content)
-        file.flush()
-        # HDF5 crashes when it closes a file on a full disk, so what it needs is reserved before
-        if hasattr(os, "posix_fallocate"):
-            os.posix_fallocate(file.fileno(), len(content), room + _SPARE)
-
-
-def join(run: Run, draft: Path, about: Mapping[str, Any], frames: int, rows: int) -> None:
-    """Make of the first frames and steps of a result its one file; about: what is known of the run.
-    OSError; FileError if it is damaged.
-    """
-    numbers = {"about": np.bytes_(json.dumps(about)), "time": run.time[:frames]}
-    shapes = {f"series/{name}": (rows, *of.shape[1:]) for name, of in run.series.items()}
-    layers = dict(enumerate(run.layers if frames else ()))
-    for k, layer in layers.items():
-        d = len(layer.shape)
-        numbers[f"layer{k}/X"] = layer.places.reshape(-1, d) if d > 1 else layer.places[:, 0]
-        shapes |= {f"layer{k}/{name}": (frames, *layer.shape) for name in layer.fields}
-    lay_out(draft, layout.image(numbers, shapes), shapes)
-    with layout.open_h5(draft, "r+") as file:
-        for name, values in run.series.items():
-            file[f"series/{name}"][:] = values[:rows]
-        for k, layer in layers.items():
-            step = max(1, BYTES // (8 * math.prod(layer.shape) * len(layer.fields)))
-            for first in range(0, frames, step):
-                end = min(first + step, frames)
-                for name, values in zip(layer.fields, layer.read(layer.fields, first, end)):
-                    file[f"layer{k}/{name}"][first:end] = values
-    publish(draft, Path(run.path))
+    return file.rename(f"{stem}.{number}{ending}")

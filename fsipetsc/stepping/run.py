@@ -260,7 +260,7 @@ class Run(Integrator):
     def follow_up(self, longest: float, passed: bool, due: bool) -> None:
         self._say_progress(longest)
         if self.full:
-            self.writer.write_series()
+            self.writer.flush(now=False)
         if passed:
             self.frame()
         if due:
