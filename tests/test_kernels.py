@@ -77,7 +77,7 @@ def test_equal_operations_are_done_once_and_products_are_fused():
     kernel = Kernel("some", "Some.")
     a, b, c = kernel.read("x", PLANES, 3)
     kernel.store("out", PLANES, [a * b + c, b * a - c, (a + b) * (b + a), c - a * c])
-    text = kernel.text()
+    text = kernel.text
     assert text.count(" * t") == 2, "a b, which two sums take, and the square"
     assert text.count("fma(") == 1
     assert Record().apply("*", 1e300, 1e300).value == np.inf  # without a warning

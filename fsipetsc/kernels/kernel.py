@@ -18,6 +18,7 @@ depends on parameters alone is computed before the loop.
 
 import re
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from importlib.resources import files
 from typing import Any
 
@@ -96,6 +97,7 @@ class Kernel:
         record.line(f"{call};", *values)
         return None
 
+    @cached_property
     def text(self) -> str:
         """The function in C."""
         record, values = without_halves([symbol for _, symbol in self._stores])

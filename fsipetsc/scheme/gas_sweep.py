@@ -32,7 +32,7 @@ from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel, floats_of
 from fsipetsc.kernels.loops import each, named, pick, when
 from fsipetsc.operators.bands import Band, Patch
 from fsipetsc.scheme.gas_terms import Form
-from fsipetsc.scheme.sweep import KINDS, Sweep, in_order, order, pieces, store
+from fsipetsc.scheme.sweep import KINDS, Sweep, in_order, kept, order, pieces, store
 
 #: most nodes of a tile along the first axis, by dimension; in three most rows along the second one
 TILES, DEPTH = {1: 232, 2: 136, 3: 72}, 8
@@ -291,6 +291,7 @@ class GasSweep(Sweep):
             self.run(self.kernels.stores, kind, n, own, of_row=of_row, **given)
 
 
+@kept
 def gas_kernels(gas: Any, d: int, form: Form, viscous: bool, moves: bool) -> SimpleNamespace:
     """All kernels of a gas in d dimensions. far: None where the form does not tell pairs apart;
     slope, viscous_fluxes: None without viscosity; raises: of the form. numbers, sums: what a row

@@ -31,7 +31,7 @@ from fsipetsc.kernels.arrays import aligned
 from fsipetsc.kernels.kernel import OWNED, PLANES, ROWS, SHARED, Kernel, floats_of
 from fsipetsc.kernels.loops import each, named, otherwise, pick, when
 from fsipetsc.operators.bands import Patch
-from fsipetsc.scheme.sweep import KINDS, Sweep, in_order, order, parts, pieces, store
+from fsipetsc.scheme.sweep import KINDS, Sweep, in_order, kept, order, parts, pieces, store
 
 #: planes of a tile
 TILE = "{c} * step + {i}"
@@ -273,6 +273,7 @@ class SolidSweep(Sweep):
                     self.run(self.kernels.stores, kind, count, own, **given)
 
 
+@kept
 def solid_kernels(solid: Any, d: int, order: int, prestressed: bool) -> SimpleNamespace:
     """All kernels of a solid in d dimensions; order: of the operators in the interior. _inside:
     those of nodes there, which have so many pairs of nodes on both sides. conduct: None without

@@ -16,7 +16,9 @@ With the other nodes, whose stages conditions may change, ``advance`` of
 fsipetsc.scheme.plan does the same after all is added, with such a sum.
 """
 
-from collections.abc import Sequence
+import sys
+from collections.abc import Callable, Sequence
+from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any
 
@@ -47,6 +49,23 @@ def store(kernel: Kernel, kind: int, k: Sequence[Any]) -> None:
     kernel.store("next", OWNED, along(along(y, 1.0 / 3.0, change), a, k))
 
 
+def kept(make: Callable[..., Any]) -> Callable[..., Any]:
+    """Let a function that makes kernels make those of the same laws once. What a case brings may
+    change from run to run, and its kernels are made anew.
+    """
+    known = lru_cache(32)(lambda said, *given: make(*given))  # said: 1 is another text than 1.0
+    return lambda *given: known(repr(given), *given) if _is_ours(given) else make(*given)
+
+
+def _is_ours(value: Any) -> bool:
+    """Whether laws are numbers and tuples of classes that stand in the package."""
+    kind = type(value)
+    if not kind.__module__.startswith(("builtins", "fsipetsc.")):
+        return False
+    stands = vars(sys.modules[kind.__module__]).get(kind.__name__) is kind
+    return stands and (not isinstance(value, tuple) or all(map(_is_ours, value)))
+
+
 def text_of(kernels: Any, d: int, row: int, order: int) -> str:
     """The C code that sweeps of a block in d dimensions need. kernels: a record that has kernels,
     tuples of them, and other data. row: how many numbers a row of a tile has room for. order: of
@@ -54,7 +73,7 @@ def text_of(kernels: Any, d: int, row: int, order: int) -> str:
     """
     nested = (one if isinstance(one, tuple) else (one,) for one in vars(kernels).values())
     every = [kernel for some in nested for kernel in some if isinstance(kernel, Kernel)]
-    texts, pairs = [kernel.text() for kernel in every], f"#define PAIRS {order // 2}"
+    texts, pairs = [kernel.text for kernel in every], f"#define PAIRS {order // 2}"
     if d == 3:
         texts = [pairs, *texts, c_source("fsipetsc.blocks", "cube.c")]
     return unit(f"#define ROW {row}\n", *texts)
