@@ -57,7 +57,7 @@ def build(opt):
         return 0.0, 0.1 * speed(X, t)
 
     def stress(X, Y, t):
-        return -1.0 - 0.1 * np.arctan2(t, 1.0 + X)
+        return -1.0 - 0.1 * np.tanh(t * (1.0 + X))
 
     def heat(X, Y, t):
         return 0.1 * np.log1p(t) * np.abs(X - 0.5)

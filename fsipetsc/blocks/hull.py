@@ -17,7 +17,7 @@ import numpy as np
 from fsipetsc.blocks.block import Block, mesh
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.checks import Array
-from fsipetsc.kernels.loops import each, named
+from fsipetsc.kernels.loops import each
 from fsipetsc.kernels.symbols import exact
 
 
@@ -178,7 +178,7 @@ class Blend(NamedTuple):
         nx, ny, nz = window.sizes
         for z in each(nz):
             for y in each(ny):
-                row = named(window.images.shape[1] + nx * (y + ny * z))
+                row = window.images.shape[1] + nx * (y + ny * z)
                 for x in each(nx, vector=True):
                     u = self.between(self.order, c, (x0 + x, y0 + y, z0 + z))
                     out[row + x] = u if base is None else base[row + x] + u

@@ -22,7 +22,7 @@ from functools import cached_property
 from importlib.resources import files
 from typing import Any
 
-from fsipetsc.kernels.loops import Index, index_of, recording
+from fsipetsc.kernels.loops import recording
 from fsipetsc.kernels.printing import Line, printed, without_halves
 from fsipetsc.kernels.symbols import Record, Symbol
 
@@ -83,19 +83,19 @@ class Kernel:
         every = range(first, first + count)
         return [f"{array}[{layout.format(c=c, i='i')}]" for c in every]
 
-    def __call__(self, n: Any, **given: Any) -> Index | None:
+    def __call__(self, n: Any, **given: Any) -> Symbol | None:
         """Let a procedure run the kernel over n items. An array is given from its first item on.
         Returns how many items were counted, of a kernel that counts.
         """
         record, known = recording(), {"n": n, **given}
         values = [known[name] for name in sorted(self._arguments)]
-        values = [one if isinstance(one, Symbol) else index_of(one) for one in values]
-        call = f"{self.name}({', '.join(['{}'] * len(values))})"
+        call = f"{self.name}({', '.join(['{}'] * len(values))});"
         record.stores += 1
-        if self.counted is not None:
-            return record.whole(call, *values)
-        record.line(f"{call};", *values)
-        return None
+        if self.counted is None:
+            record.line(call, *values)
+            return None
+        record.line(f"const long {(name := record.new('n'))} = {call}", *values)
+        return record.given(name, kind="long")
 
     @cached_property
     def text(self) -> str:

@@ -2,16 +2,16 @@
 (fsipetsc.kernels.procedure).
 
 Numbers that differ from node to node are Symbols (fsipetsc.kernels.symbols), and formulas of them
-are recorded as in a kernel. Whole numbers that are known only later, as sizes and places in
-arrays, are an Index. Bools, None and the lengths of tuples are known when a procedure is
-recorded: ``if`` and ``range`` of them are plain Python, and decide what is printed. So it is with
-dataclasses, which hold facts: their numbers become constants of the text.
+are recorded as in a kernel. So are whole numbers that are known only later, as sizes and places in
+arrays. Bools, None and the lengths of tuples are known when a procedure is recorded: ``if`` and
+``range`` of them are plain Python, and decide what is printed. So it is with dataclasses, which
+hold facts: their numbers become constants of the text.
 """
 
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
-from functools import reduce
 from itertools import accumulate, zip_longest
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -19,74 +19,8 @@ import numpy as np
 from fsipetsc.kernels.printing import Line
 from fsipetsc.kernels.symbols import Record, Symbol, refuse
 
-#: of whole numbers that are known; to ask for numbers.Integral takes 20 times as long
+#: of whole numbers that are known
 WHOLE = int, np.integer
-
-
-def _operator(form: str, neutral: int | None = None) -> Any:
-    """An operator; with its neutral number an Index is itself."""
-    return lambda self, other: self if is_whole(other, neutral) else _made(form, self, other)
-
-
-def _compared(sign: str) -> Any:
-    """The operator of a comparison, whose result is a condition."""
-
-    def compare(self: "Index", other: Any) -> Symbol:
-        return recording().given(f"{self} {sign} {index_of(other)}", operation="holds")
-
-    return compare
-
-
-class Index:
-    """A whole number, or an address, that is known only when C runs: an expression in C."""
-
-    def __init__(self, text: str) -> None:
-        self.text = text
-
-    def __repr__(self) -> str:
-        return self.text
-
-    __add__, __radd__ = _operator("({} + {})", 0), _operator("({1} + {0})", 0)
-    __sub__, __rsub__ = _operator("({} - {})", 0), _operator("({1} - {0})")
-    __floordiv__, __mod__ = _operator("quotient({}, {})", 1), _operator("remainder_of({}, {})")
-
-    def __mul__(self, other: Any) -> Any:
-        if is_whole(other, 0):
-            return 0
-        return self if is_whole(other, 1) else _made("({} * {})", self, other)
-
-    __rmul__ = __mul__
-
-    def __neg__(self) -> Any:
-        return _made("(-{})", self)
-
-    __eq__, __ne__ = _compared("=="), _compared("!=")
-    __lt__, __le__, __gt__, __ge__ = map(_compared, ("<", "<=", ">", ">="))
-
-    def __array_ufunc__(self, function: Any, method: str, *given: Any, **more: Any) -> Any:
-        return _made({np.minimum: "least({}, {})", np.maximum: "most({}, {})"}[function], *given)
-
-    def __bool__(self) -> bool:
-        raise refuse("it branches on a number that is not known yet: write `with when(condition):`")
-
-
-def is_whole(value: Any, number: int | None) -> bool:
-    """Whether a value is this whole number, which is known when it is recorded."""
-    return isinstance(value, WHOLE) and int(value) == number
-
-
-def index_of(value: Any) -> Index:
-    """Return a whole number, or where an array begins, as C has it."""
-    value = value.pointer() if isinstance(value, Array) else value
-    if isinstance(value, Index):
-        return value
-    if isinstance(value, bool) or not isinstance(value, WHOLE):
-        raise refuse(f"{value!r} is no whole number")
-    return Index(str(int(value)) if value >= 0 else f"({int(value)})")
-
-
-def _made(form: str, *given: Any) -> Index:
-    return Index(form.format(*map(index_of, given)))
 
 
 class Recording(Record):
@@ -113,36 +47,24 @@ class Recording(Record):
         self.items.append(made)
         self._within[-1].append(key)
 
-    def read(self, place: str, is_whole: bool = False) -> Any:
-        """The number, or whole number, that C has at a place: it is read once between stores."""
-        if not is_whole:
-            return self.given(place, stores=self.stores)
-        key = "read", place, self.stores
-        if key not in self._known:
-            self._known[key] = self.whole(place)
-            self._within[-1].append(key)
-        return self._known[key]
+    def whole(self, value: Any) -> Symbol:
+        """The symbol of a whole number."""
+        return self.constant(value, whole=True)
 
     def line(self, form: str, *values: Any) -> None:
-        """Record a line with numbers and whole numbers."""
-        known = (v if isinstance(v, Index) else self.constant(v) for v in values)
-        self.items.append(Line(form, tuple(known)))
+        """Record a line with numbers, whole numbers, and where arrays begin."""
+        known = (v.pointer() if isinstance(v, Array) else v for v in values)
+        self.items.append(Line(form, tuple(self.constant(v, isinstance(v, WHOLE)) for v in known)))
 
-    def store(self, place: str, value: Any) -> None:
-        """Let C store a number, or a whole one, at a place."""
-        self.line(f"{place} = {{}};", value)
+    def store(self, form: str, *values: Any) -> None:
+        """Let C store the last one of values."""
+        self.line(f"{form} = {{}};", *values)
         self.stores += 1
 
     def new(self, letter: str) -> str:
         """A name that nothing else has."""
         self.count += 1
         return f"{letter}{self.count}"
-
-    def whole(self, form: str, *values: Any) -> Index:
-        """A whole number that C computes once and keeps under a name."""
-        name = self.new("n")
-        self.line(f"const long {name} = {form};", *values)
-        return Index(name)
 
     @contextmanager
     def block(self, head: str, *values: Any) -> Iterator[None]:
@@ -164,22 +86,18 @@ def recording() -> Recording:
     return _recordings[-1]
 
 
-#: of arrays: what a number is in C
-KINDS = {"f": "double", "i": "long"}
-
-
-def each(*ends: Any, vector: bool = False) -> Iterator[Index]:
+def each(*ends: Any, vector: bool = False) -> Iterator[Symbol]:
     """A loop whose number goes from 0, or from the first of two ends, to below the last end. It
     ends by `stop`, not by break. vector: its passes do not depend on one another.
     """
     record = recording()
-    first, last = map(index_of, ends if len(ends) == 2 else (0, *ends))
+    first, last = map(record.whole, ends if len(ends) == 2 else (0, *ends))
     i = record.new("i")
     if vector:
         record.line("#pragma omp simd")
     record.stores += 1  # what is read in the first pass may be stored before the next one
-    with record.block(f"for (long {i} = {first}; {i} < {last}; ++{i})"):
-        yield Index(i)
+    with record.block(f"for (long {i} = {{}}; {i} < {{}}; ++{i})", first, last):
+        yield record.given(i, kind="long")
 
 
 def when(condition: Any) -> AbstractContextManager[None]:
@@ -197,32 +115,25 @@ def stop(condition: Any) -> None:
     recording().line("if ({}) break;", condition)
 
 
-def pick(condition: Any, a: Any, b: Any) -> Index:
+def pick(condition: Any, a: Any, b: Any) -> Symbol:
     """a if the condition holds, else b; both are whole numbers."""
-    return recording().whole("{} ? {} : {}", condition, index_of(a), index_of(b))
+    whole = recording().whole
+    return recording().apply("where", condition, whole(a), whole(b))
 
 
 def either(condition: Any, a: "Array", b: "Array") -> "Array":
     """The array a if the condition holds, else b; as a flat array, whose size is not known."""
-    name = recording().new("p")
-    text = f"double *const {name} = {{}} ? {{}} : {{}};"
-    recording().line(text, condition, index_of(a), index_of(b))
-    return Array(name, a.dtype, (None,))
+    return Array(recording().apply("where", condition, a.pointer(), b.pointer()), (None,))
 
 
-def named(index: Any) -> Index:
-    """The same whole number, which C computes once and keeps under a name."""
-    return recording().whole("{}", index_of(index))
+def whole(value: Any) -> Symbol:
+    """Return a number whose value is whole as a whole number."""
+    return recording().given("(long){}", value, kind="long")
 
 
-def whole(value: Any) -> Index:
-    """Return a number whose value is whole as an Index."""
-    return recording().whole("(long){}", value)
-
-
-def number(index: Any) -> Any:
+def number(index: Any) -> Symbol:
     """Return a whole number as a number that formulas take."""
-    return recording().given(f"(double){index_of(index)}")
+    return recording().given("(double){}", recording().whole(index))
 
 
 class variable:
@@ -236,55 +147,67 @@ class variable:
 
     @property
     def value(self) -> Any:
-        return self._record.read(self._name)
+        return self._record.given(self._name, stores=self._record.stores)
 
     @value.setter
     def value(self, number: Any) -> None:
         self._record.store(self._name, number)
 
 
+def _times(step: Any, n: Any) -> Any:
+    """step n; most steps are 1, which needs no symbol."""
+    return n if isinstance(step, WHOLE) and step == 1 else n * step
+
+
 class Array:
-    """The stand-in of an array, or of a part of one. shape: (None,) of one whose size is not known.
-    at: terms of the number at which it begins. steps: how far its numbers are apart along each
-    axis, if not as in a whole array.
+    """The stand-in of an array, or of a part of one. base: where the whole array begins. shape:
+    (None,) of one whose size is not known. at: terms of the number at which the part begins. steps:
+    how far its numbers are apart along each axis, if not as in a whole array.
     """
 
     def __init__(
-        self, base: str, dtype: Any, shape: Sequence[Any], at: Sequence[Any] = (), steps: Any = ()
+        self, base: Symbol, shape: Sequence[Any], at: Sequence[Any] = (), steps: Any = ()
     ) -> None:
-        self._base, self.dtype, self.shape, self._at = base, dtype, tuple(shape), tuple(at)
-        behind = accumulate(self.shape[:0:-1], lambda step, length: length * step, initial=1)
-        self._steps = tuple(steps or tuple(behind)[::-1])
+        self._base, self.shape, self._at, self._apart = base, tuple(shape), tuple(at), steps
+
+    @property
+    def _steps(self) -> tuple[Any, ...]:
+        return self._apart or tuple(accumulate(self.shape[:0:-1], _times, initial=1))[::-1]
 
     @property
     def size(self) -> Any:
         """How many numbers the array has."""
-        return reduce(lambda size, length: length * size, self.shape, 1)
+        return prod(self.shape)
 
     @property
     def T(self) -> "Array":
         """The transpose."""
-        return Array(self._base, self.dtype, self.shape[::-1], self._at, self._steps[::-1])
+        return Array(self._base, self.shape[::-1], self._at, self._steps[::-1])
 
     def reshape(self, *shape: Any) -> "Array":
         """The same numbers, which lie behind one another, in rows of other lengths; -1 alone: as
         many as there are.
         """
-        shape = (self.size,) if len(shape) == 1 and is_whole(shape[0], -1) else shape
-        if any(is_whole(length, -1) for length in shape):
+        unknown = [isinstance(length, WHOLE) and length < 0 for length in shape]
+        if unknown == [True]:
+            shape = (self.size,)
+        elif any(unknown):
             raise refuse("-1 is the length of one axis alone: name all lengths")
-        if str(self._steps) != str(Array(self._base, self.dtype, self.shape)._steps):
+        whole = Array(self._base, self.shape)
+        if any(a is not b for a, b in zip(self._steps, whole._steps, strict=True)):
             raise refuse("the numbers of this part of an array do not lie behind one another")
-        return Array(self._base, self.dtype, shape, self._at)
+        return Array(self._base, shape, self._at)
 
-    def _first(self) -> str:
-        """The number at which it begins: the same text for the same terms."""
-        terms = sorted(str(index_of(term)) for term in self._at if not is_whole(term, 0))
-        return " + ".join(terms) or "0"
+    def _first(self) -> tuple[str, list[Symbol]]:
+        """The number at which it begins, as a form with terms: the same for the same terms."""
+        known = (term for term in map(recording().whole, self._at) if term.value != 0)
+        terms = sorted(known, key=lambda term: term.number)
+        return " + ".join(["{}"] * len(terms)) or "0", terms
 
-    def pointer(self) -> Index:
+    def pointer(self) -> Symbol:
         """Where C has the first number."""
-        return Index(f"{self._base} + {self._first()}")
+        form, terms = self._first()
+        return recording().given(f"{{}} + {form}", self._base, *terms, kind=self._base.kind)
 
     def _part(self, at: Any) -> "Array":
         """The part, of no axes if it is a number, at an index or at several."""
@@ -292,20 +215,25 @@ class Array:
         indices = at if isinstance(at, tuple) else (at,)
         every = zip_longest(indices, self.shape, self._steps, fillvalue=slice(None))
         for index, length, step in every:
-            ends = (index.start, index.stop) if isinstance(index, slice) else (index, None)
+            is_part = isinstance(index, slice)
+            ends = (index.start, index.stop) if is_part else (index, None)
             first, last = (length + n if isinstance(n, WHOLE) and n < 0 else n for n in ends)
-            begin.append(0 if first is None else first * step)
-            if isinstance(index, slice):
+            if first is not None:
+                begin.append(_times(step, first))
+            if is_part:
                 last = length if last is None else last
                 shape.append(last if first is None else last - first)
                 steps.append(step)
-        return Array(self._base, self.dtype, shape, begin, steps)
+        return Array(self._base, shape, begin, tuple(steps))
 
     def __getitem__(self, at: Any) -> Any:
         part = self._part(at)
         if part.shape:
             return part
-        return recording().read(f"{self._base}[{part._first()}]", self.dtype.kind == "i")
+        form, terms = part._first()
+        record, kind = recording(), self._base.kind.removesuffix(" *")
+        form = f"{{}}[{form}]"
+        return record.given(form, self._base, *terms, kind=kind, stores=record.stores)
 
     def __setitem__(self, at: Any, value: Any) -> None:
         """Store a number, a tuple of the numbers of an axis, or the same one everywhere."""
@@ -319,14 +247,14 @@ class Array:
             for i in each(part.shape[0], vector=len(part.shape) == 1):
                 part[i] = value
         else:
-            value = index_of(value) if self.dtype.kind == "i" else value
-            recording().store(f"{self._base}[{part._first()}]", value)
+            form, terms = part._first()
+            value = recording().constant(value, self._base.kind == "long *")
+            recording().store(f"{{}}[{form}]", self._base, *terms, value)
 
 
 def invoke(name: str, address: Any, *arrays: Array) -> None:
     """Call a function in C of the same translation unit with an address, a whole number, and the
     pointers to the first numbers of arrays.
     """
-    values = [index_of(value) for value in (address, *arrays)]
-    recording().line(f"{name}((void *){', '.join(['{}'] * len(values))});", *values)
+    recording().line(f"{name}((void *){', '.join(['{}'] * (1 + len(arrays)))});", address, *arrays)
     recording().stores += 1

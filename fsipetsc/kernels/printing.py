@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from math import frexp
 from typing import Any, NamedTuple
 
-from fsipetsc.kernels.symbols import CONDITIONS, Record, Symbol, needed, uses_of
+from fsipetsc.kernels.symbols import Record, Symbol, needed, uses_of
 
 
 class Line(NamedTuple):
@@ -28,41 +28,44 @@ _FORMS = {
     **{name: f"{{0}} {name} {{1}}" for name in ("+", "-", "*", "/", *"<>", "<=", ">=", "==", "!=")},
     **{"&": "{0} & {1}", "|": "{0} | {1}", "not": "!{0}"},
     **{"neg": "-{0}", "abs": "fabs({0})", "sqrt": "sqrt({0})", "where": "{0} ? {1} : {2}"},
+    **{name: f"{name}({{0}}, {{1}})" for name in ("quotient", "remainder_of", "least", "most")},
     **{"a b + c": "fma({0}, {1}, {2})", "a b - c": "fma({0}, {1}, -{2})"},
     "c - a b": "fma(-{0}, {1}, {2})",
 }
+#: how C declares a name of a kind
+_TYPES = {kind: f"const {kind}" for kind in ("double", "long", "int")}
+_TYPES |= {f"{kind} *": f"{kind} *const" for kind in ("double", "long")}
 
 
 def printed(record: Record, items: Sequence[Symbol | Line]) -> list[str]:
     """Lines of C: the lines among the items, and before them each symbol that they need, where it
     was made.
     """
-    names = dict[int, str]()
-    for symbol in record.symbols:
-        if symbol.value is not None:
-            names[symbol.number] = _constant(symbol.value)
-        elif symbol.uniform and symbol.text.isidentifier():
-            names[symbol.number] = symbol.text
     taken = (value for item in items if isinstance(item, Line) for value in item.values)
     uses = uses_of([value for value in taken if isinstance(value, Symbol)])
-    lines, inside = list[str](), 1
-    sums = (symbol for symbol in record.symbols if symbol.number in uses)
+    sums = (one for one in record.symbols if one.operation in ("+", "-") and one.number in uses)
     fused = {symbol.number: found for symbol in sums if (found := _fused(symbol, uses))}
-    left_out = {*names, *(product.number for product, *_ in fused.values())}
+    left_out = {product.number for product, *_ in fused.values()}
+    names, lines, inside = dict[int, str](), list[str](), 1
     for item in items:
         if isinstance(item, Line):
             given = (names[v.number] if isinstance(v, Symbol) else v for v in item.values)
             text = item.form.format(*given)
-        elif item.number in uses and item.number not in left_out:
+        elif item.number not in uses or item.number in left_out:
+            continue
+        elif item.value is not None:
+            names[item.number] = _constant(item.value)
+            continue
+        elif (item.uniform or item.kind != "double") and item.text.isidentifier():
+            names[item.number] = item.text
+            continue
+        else:
             plain = None, item.operation, item.operands
             _, operation, operands = fused.get(item.number, plain)
             given = [names[operand.number] for operand in operands]
-            form = _FORMS.get(operation, f"{operation}_({', '.join(given)})")
-            kind = "int" if item.operation in CONDITIONS else "double"
-            text = f"const {kind} t{item.number} = {item.text or form.format(*given)};"
-            names[item.number] = f"t{item.number}"
-        else:
-            continue
+            form = item.text or _FORMS.get(operation) or f"{operation}_({', '.join(given)})"
+            names[item.number] = name = f"t{item.number}"
+            text = f"{_TYPES[item.kind]} {name} = {form.format(*given)};"
         inside -= text.startswith(("}", ")"))
         lines.append("  " * inside + text)
         inside += text.endswith(("{", ","))
@@ -74,7 +77,7 @@ def _fused(symbol: Symbol, uses: dict[int, int]) -> Any:
     and operands of both; None if there is none. What is exact is not fused.
     """
     exact = symbol.record.exact
-    if symbol.operation not in ("+", "-") or symbol.number in exact:
+    if symbol.kind == "long" or symbol.number in exact:
         return None
     first, second = symbol.operands
     for product, other, minus in ((second, first, "c - a b"), (first, second, "a b - c")):
@@ -85,7 +88,7 @@ def _fused(symbol: Symbol, uses: dict[int, int]) -> Any:
     return None
 
 
-def _constant(value: float | None) -> str:
+def _constant(value: float) -> str:
     """A constant in C, to the last bit."""
     text = repr(value)
     text = {"inf": "INFINITY", "-inf": "(-INFINITY)", "nan": "NAN"}.get(text, text)
@@ -136,7 +139,7 @@ class _Rewriting:
         if symbol.value is not None:
             return self.record.constant(symbol.value), 0
         if operation == "given":
-            return self.record.given(symbol.text, symbol.uniform), 0
+            return self.record.given(symbol.text, uniform=symbol.uniform), 0
         cores, exponents = zip(*(self.of[o.number] for o in symbol.operands), strict=True)
         a, b, m, n = cores[0], cores[-1], exponents[0], exponents[-1]
         if operation in ("*", "/"):

@@ -20,13 +20,14 @@ import inspect
 import re
 import struct
 from collections.abc import Callable, Sequence
+from functools import cache
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from fsipetsc.kernels.kernel import unit
-from fsipetsc.kernels.loops import KINDS, Array, Index, Recording
+from fsipetsc.kernels.loops import Array, Recording
 from fsipetsc.kernels.printing import printed
 
 _POINTER, _ZERO = ctypes.c_void_p, np.zeros(1)
@@ -67,7 +68,8 @@ class Procedure(Called):
         with Recording() as record:
             pairs = zip(names, records, strict=True)
             given = [self._stand_in(name, value, record) for name, value in pairs]
-            function(*given, *(Array(v, np.dtype(float), (None,)) for v in self.vectors))
+            worlds = (record.given(v, kind="double *") for v in self.vectors)
+            function(*given, *(Array(world, (None,)) for world in worlds))
         self.text = self._text(function.__doc__ or "", record)
 
     def _stand_in(self, name: str, value: Any, record: Recording) -> Any:
@@ -75,25 +77,24 @@ class Procedure(Called):
         numbers get names in C; what is no such thing is a fact.
         """
         if isinstance(value, np.ndarray) and not value.dtype.names:
-            known = value.dtype.kind in KINDS and value.itemsize == 8
+            known = value.dtype.kind in "fi" and value.itemsize == 8
             if not (known and value.flags.c_contiguous):
                 raise TypeError(f"{name} is of {value.dtype}: expected contiguous float64 or int64")
-            base = self._field(name, value)
+            base = record.given(self._field(name, value), kind=_kind(value))
             sizes = (self._field(f"{name}_n{k}", n) for k, n in enumerate(value.shape))
-            return Array(base, value.dtype, [*map(Index, sizes)])
+            return Array(base, [record.given(size, kind="long") for size in sizes])
         if isinstance(value, (float, np.floating)):
             return record.given(self._field(name, float(value)), uniform=True)
         if isinstance(value, (int, np.integer)) and not isinstance(value, bool):
-            return Index(self._field(name, int(value)))
+            return record.given(self._field(name, int(value)), kind="long")
         if isinstance(value, tuple):
             names = getattr(value, "_fields", range(len(value)))
             pairs = zip(names, value, strict=True)
             parts = [self._stand_in(f"{name}_{n}", one, record) for n, one in pairs]
             return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
         if isinstance(value, SimpleNamespace):
-            made = type(value).__new__(type(value))
-            for n, one in vars(value).items():
-                setattr(made, n, self._stand_in(f"{name}_{n}", one, record))
+            made = _lazy(type(value))()
+            made._parts = vars(value), lambda n, one: self._stand_in(f"{name}_{n}", one, record)
             return made
         return value
 
@@ -113,11 +114,11 @@ class Procedure(Called):
             [
                 f"/* {says.strip().partition(chr(10))[0]} */",
                 f"struct {self.name}_in {{",
-                *(f"  {kind}{name};" for name, kind in kinds.items()),
+                *(f"  {kind} {name};" for name, kind in kinds.items()),
                 *["  long nothing;"] * (not kinds),
                 "};",
                 f"void {self.name}(const struct {self.name}_in *s, double *{y}, double *{f}) {{",
-                *(f"  {kind}const {name} = s->{name};" for name, kind in kinds.items()),
+                *(f"  {kind} const {name} = s->{name};" for name, kind in kinds.items()),
                 *lines,
                 "}\n",
             ]
@@ -134,10 +135,26 @@ class Procedure(Called):
 
 
 def _kind(value: Any) -> str:
-    """What a value is in C."""
+    """The type of a value in C."""
     if isinstance(value, np.ndarray):
-        return f"{KINDS[value.dtype.kind]} *"
-    return "double " if isinstance(value, float) else "long "
+        return "long *" if value.dtype.kind == "i" else "double *"
+    return "double" if isinstance(value, float) else "long"
+
+
+@cache
+def _lazy(kind: type) -> Any:
+    """The class of stand-ins of namespaces of a kind: a part is made when it is asked for."""
+
+    def part(self: Any, name: str) -> Any:
+        parts, stand_in = object.__getattribute__(self, "_parts")
+        if name not in parts:
+            raise AttributeError(name)
+        setattr(self, name, found := stand_in(name, parts[name]))
+        return found
+
+    parts = property(lambda self: {name: getattr(self, name) for name in self._parts[0]})
+    new = {"__init__": object.__init__, "__getattr__": part, "__dict__": parts}
+    return type(kind.__name__, (kind,), new)
 
 
 class Code:

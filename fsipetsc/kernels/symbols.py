@@ -19,6 +19,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import reduce
 from math import isnan
 from numbers import Real
+from operator import index
 from typing import Any
 
 import numpy as np
@@ -36,7 +37,8 @@ OPERATIONS: dict[Any, str] = {
     **{np.logical_and: "&", np.logical_or: "|", np.logical_not: "not"},
     **{np.bitwise_and: "&", np.bitwise_or: "|", np.invert: "not"},
     **{np.exp: "exp", np.expm1: "expm1", np.log: "log", np.log1p: "log1p"},
-    **{np.sin: "sin", np.cos: "cos", np.arctan2: "arctan2", np.tanh: "tanh"},
+    **{np.sin: "sin", np.cos: "cos", np.tanh: "tanh"},
+    **{np.floor_divide: "quotient", np.remainder: "remainder_of"},
 }
 #: those that are made of these
 MADE: dict[Any, Callable[[Any], Any]] = {
@@ -45,14 +47,14 @@ MADE: dict[Any, Callable[[Any], Any]] = {
     np.log10: lambda x: 0.4342944819032518 * np.log(x),
     np.cbrt: lambda x: np.sign(x) * abs(x) ** (1.0 / 3.0),
     np.tan: lambda x: np.sin(x) / np.cos(x),
-    np.arcsin: lambda x: np.arctan2(x, np.sqrt((1.0 - x) * (1.0 + x))),
-    np.arccos: lambda x: np.arctan2(np.sqrt((1.0 - x) * (1.0 + x)), x),
-    np.arctan: lambda x: np.arctan2(x, 1.0),
     np.sinh: lambda x: 0.5 * (np.expm1(x) - np.expm1(-x)),
     np.cosh: lambda x: 0.5 * (np.exp(x) + np.exp(-x)),
 }
 #: operations whose result is true or false
-CONDITIONS = frozenset({">", "<", ">=", "<=", "==", "!=", "&", "|", "not", "holds"})
+CONDITIONS = frozenset({">", "<", ">=", "<=", "==", "!=", "&", "|", "not"})
+#: operations on whole numbers alone, and all on whole numbers
+_ONLY_WHOLE = frozenset({"quotient", "remainder_of", "least", "most"})
+_WHOLE = _ONLY_WHOLE | CONDITIONS | {"+", "-", "*", "neg", "where"}
 #: the largest exponent for which a power is written as products
 MOST_FACTORS = 8
 
@@ -79,7 +81,7 @@ def numbers_of(values: Any, count: int = 0) -> Any:
     if count:
         found = kind + (f" of {len(values)}" if several else "")
         raise NotRecorded(f"it returns a {found}: expected {counted(count, 'number')} in a tuple")
-    if isinstance(values, Symbol) and values.operation not in CONDITIONS:
+    if isinstance(values, Symbol) and values.kind == "double":
         return values
     if not isinstance(values, Real) or isinstance(values, bool) or isnan(values):
         found = "condition" if isinstance(values, Symbol) else kind
@@ -90,15 +92,18 @@ def numbers_of(values: Any, count: int = 0) -> Any:
 class Symbol(NDArrayOperatorsMixin):
     """A number of a record: what is given, a constant, or what an operation makes of operands.
 
-    uniform: it depends on constants and parameters alone, so all nodes have the same one. value: of
-    a constant, else None.
+    kind: its type in C: double, int of a condition, long of a whole number, or a pointer. uniform:
+    it depends on constants and parameters alone, so all nodes have the same one. value: of a
+    constant, else None.
     """
 
-    __slots__ = ("number", "operands", "operation", "record", "text", "uniform", "value")
+    __slots__ = ("kind", "number", "operands", "operation", "record", "text", "uniform", "value")
 
-    def __init__(self, record: "Record", operation: str, operands: tuple["Symbol", ...]) -> None:
-        self.record, self.operation, self.operands = record, operation, operands
-        self.uniform = all(operand.uniform for operand in operands)
+    def __init__(
+        self, record: "Record", operation: str, operands: tuple["Symbol", ...], kind: str
+    ) -> None:
+        self.record, self.operation, self.operands, self.kind = record, operation, operands, kind
+        self.uniform = all([operand.uniform for operand in operands])
         self.text, self.value = "", None
         self.number = len(record.symbols)
 
@@ -146,45 +151,61 @@ class Record:
         self.exact: set[int] = set()
         self._known: dict[Any, Symbol] = {}
 
-    def constant(self, value: Any) -> Symbol:
-        """The symbol of a number; symbols are returned as they are."""
+    def constant(self, value: Any, whole: bool = False) -> Symbol:
+        """The symbol of a number, perhaps of a whole one; symbols are returned as they are."""
         if isinstance(value, Symbol):
+            if whole and value.kind == "double":
+                raise refuse("it takes a number for a whole one")
             return value
         try:
-            number = float(value)
+            number = index(value) if whole else float(value)
         except (TypeError, ValueError):
-            raise refuse(f"{value!r} is no number") from None
-        symbol = self._one(("constant", number.hex()), "constant")
+            raise refuse(f"{value!r} is no {'whole ' * whole}number") from None
+        symbol = self._one(repr(number), "constant", (), "long" if whole else "double")
         symbol.uniform, symbol.value = True, number
         return symbol
 
     def given(
-        self, text: str, uniform: bool = False, operation: str = "given", stores: int = 0
+        self,
+        text: str,
+        *operands: Symbol,
+        uniform: bool = False,
+        kind: str = "double",
+        stores: int = 0,
     ) -> Symbol:
-        """A symbol that C has as ``text``. uniform: it is the same for all. operation: "holds"
-        makes it a condition. stores: after how many stores it is read.
+        """A symbol that C has as ``text``, with {} for each operand. uniform: it is the same for
+        all. stores: after how many stores it is read.
         """
-        symbol = self._one((operation, text, stores), operation)
+        key = "given", text, stores, *[operand.number for operand in operands]
+        symbol = self._one(key, "given", operands, kind)
         symbol.text, symbol.uniform = text, uniform
         return symbol
 
     def apply(self, operation: str, *given: Any) -> Symbol:
         """What an operation makes of symbols or numbers."""
-        operands = tuple(self.constant(operand) for operand in given)
+        kinds = [getattr(one, "kind", "") for one in given]
+        whole = "long" in kinds
+        if whole:
+            operation = {"minimum": "least", "maximum": "most"}.get(operation, operation)
+        if "double" in kinds or operation not in _WHOLE if whole else operation in _ONLY_WHOLE:
+            raise refuse(f"{operation} of {'' if whole else 'no '}whole numbers cannot be recorded")
+        operands = tuple([one if k else self.constant(one, whole) for one, k in zip(given, kinds)])
         if operation in ("&", "|", "not") and not all(o.operation in CONDITIONS for o in operands):
             raise refuse("&, | and ~ are of conditions, as a > b, alone")
         simpler = _simplified(self, operation, operands)
         if simpler is not None:
             return simpler
-        numbers = tuple(operand.number for operand in operands)
+        numbers = tuple([operand.number for operand in operands])
         ordered = tuple(sorted(numbers)) if operation in "+*" else numbers
-        return self._one((operation, ordered), operation, operands)
+        kind = operands[-1].kind if operands[-1].kind != "int" else "double"
+        kind = "int" if operation in CONDITIONS else kind
+        return self._one((operation, ordered), operation, operands, kind)
 
-    def _one(self, key: Any, operation: str, operands: tuple[Symbol, ...] = ()) -> Symbol:
+    def _one(self, key: Any, operation: str, operands: tuple[Symbol, ...], kind: str) -> Symbol:
         """The only symbol of this key."""
-        if key not in self._known:
-            self._keep(key, Symbol(self, operation, operands))
-        return self._known[key]
+        if (known := self._known.get(key)) is None:
+            self._keep(key, known := Symbol(self, operation, operands, kind))
+        return known
 
     def _keep(self, key: Any, made: Symbol) -> None:
         self._known[key] = made
@@ -210,18 +231,21 @@ def _simplified(record: Record, operation: str, operands: tuple[Symbol, ...]) ->
     """Return what the operation gives without being recorded, as x + 0 is x, or None."""
     values = [operand.value for operand in operands]
     first, last = operands[0], operands[-1]
+    if values == [None, None]:
+        return None
     of_first, of_last = (operation, first.value), (operation, last.value)
     if of_last == ("/", 0.0):
         raise refuse("it divides by a constant 0")
+    whole = last.kind == "long"
     if operation in ("+", "-", "*", "/", "neg", "abs") and None not in values:
         with np.errstate(all="ignore"):
-            return record.constant(_FUNCTIONS[operation](*values))
+            return record.constant(_FUNCTIONS[operation](*values), whole)
     if of_first in (("+", 0.0), ("*", 1.0)):
         return last
-    if of_last in (("+", 0.0), ("-", 0.0), ("*", 1.0), ("/", 1.0)):
+    if of_last in (("+", 0.0), ("-", 0.0), ("*", 1.0), ("/", 1.0), ("quotient", 1.0)):
         return first
     if of_first in (("*", 0.0), ("/", 0.0)) or of_last == ("*", 0.0):
-        return record.constant(0.0)
+        return record.constant(0, whole)
     if of_first == ("-", 0.0):
         return record.apply("neg", last)
     return last if operation == "where" and operands[1] is last else None
@@ -264,10 +288,9 @@ _CHANGES: dict[str, Callable[..., Any]] = {
     "pow": lambda a, b, y, da, db: (
         da * (b * a ** (b - 1.0)) + (0.0 if db.value == 0.0 else y * np.log(a) * db)
     ),
-    "arctan2": lambda a, b, y, da, db: (da * b - a * db) / (a * a + b * b),
 }
 #: operations whose slopes may be infinite
-_STEEP = frozenset({"/", "sqrt", "log", "log1p", "pow", "arctan2"})
+_STEEP = frozenset({"/", "sqrt", "log", "log1p", "pow"})
 
 
 def derivatives(values: Sequence[Any], by: Symbol, still: bool = False) -> tuple[Any, ...]:

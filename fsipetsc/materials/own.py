@@ -8,7 +8,7 @@ with all formulas, as those in this folder.
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial, reduce
-from itertools import count, islice
+from itertools import count, islice, product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -194,42 +194,30 @@ def knows_energy(law: Any) -> bool:
     return type(law).energy is not OwnSolid.energy
 
 
+@np.errstate(all="ignore")
 def check_inverses(law: Any, rho: Any, T: Any, owner: str) -> None:
     """InputError if formulas of a gas law of a case are not inverse to each other at some states.
 
     rho, T: (n,) densities [kg/m3] and temperatures [K].
     """
-    with np.errstate(all="ignore"):
-        p, e = law.pressure(rho, T), law.internal_energy(rho, T)
-        pairs = {
-            "temperature(rho, internal_energy(rho, T))": (law.temperature(rho, e), T),
-            "temperature_of(rho, pressure(rho, T))": (law.temperature_of(rho, p), T),
-            "density(pressure(rho, T), T)": (law.density(p, T), rho),
-        }
-        for formula, (found, wanted) in pairs.items():
-            if np.any(wrong := ~(np.abs(found - wanted) <= 1e-6 * wanted)):
-                one, other = (np.broadcast_to(v, wrong.shape)[wrong][0] for v in (found, wanted))
-                raise InputError(f"{owner}: {formula} is {one:.6g}: expected {other:.6g}")
+    p, e = law.pressure(rho, T), law.internal_energy(rho, T)
+    _agree(f"{owner}: temperature(rho, internal_energy(rho, T))", law.temperature(rho, e), T)
+    _agree(f"{owner}: temperature_of(rho, pressure(rho, T))", law.temperature_of(rho, p), T)
+    _agree(f"{owner}: density(pressure(rho, T), T)", law.density(p, T), rho)
 
 
+@np.errstate(all="ignore")
 def check_pressure_law(law: Any, m0: float, alpha: float, what: str) -> None:
     """InputError if formulas of a pressure return no number, or are not derivatives of pressure."""
     for name in ("pressure", "pressure_by_temperature", "stiffness"):
         _check(f"{what}: {name}", getattr(law, name), _symbols(0, 0, 0, 0), numbers_of)
-    J, T = at = np.array([0.96, 1.04] * 2), np.repeat([1.0, 300.0], 2)
-    with np.errstate(all="ignore"):
-        p = law.pressure(*at, m0, alpha)
-        p_J, p_T = (
-            along(lambda J, T: law.pressure(J, T, m0, alpha), at, way)
-            for way in ((1.0, 0.0), (0.0, 1.0))
-        )
-        pairs = {"stiffness": ("-J dp/dJ", -J * p_J), "pressure_by_temperature": ("dp/dT", p_T)}
-        for name, (formula, wanted) in pairs.items():
-            found, wanted = np.broadcast_arrays(getattr(law, name)(*at, m0, alpha), wanted, J)[:2]
-            wrong = np.isfinite(wanted) & ~np.isclose(found, wanted, 1e-6, 1e-12 * abs(p))
-            for k in np.flatnonzero(wrong)[:1]:
-                where = f"{what}: {name} at J = {J[k]:g}, T = {T[k]:g} is {found[k]:.6g}"
-                raise InputError(f"{where}: expected {formula} = {wanted[k]:.6g}")
+    for J, T in product(np.array([0.96, 1.04]), np.array([1.0, 300.0])):
+        at, where = (J, T, m0, alpha), f"at J = {J:g}, T = {T:g}"
+        p_J, p_T = (along(law.pressure, at, way) for way in np.eye(4)[:2].tolist())
+        least = 1e-12 * abs(law.pressure(*at))
+        _agree(f"{what}: stiffness {where}, -J dp/dJ,", law.stiffness(*at), -J * p_J, least)
+        by_T = law.pressure_by_temperature(*at)
+        _agree(f"{what}: pressure_by_temperature {where}, dp/dT,", by_T, p_T, least)
 
 
 def check_solid_law(law: Any, d: int) -> None:
@@ -248,9 +236,16 @@ def check_solid_law(law: Any, d: int) -> None:
     _check(f"solid_law: energy {what}", law.energy, nodes, lambda W: np.broadcast_to(W, 2))
     P = law.stress(F)
     slopes = gradient(law.energy, F) if knows_energy(law) else P
-    if not np.allclose(slopes, P, rtol=0.0, atol=1e-5 * max(*map(abs, P), law.wave_modulus(F))):
-        wrong = f"at F = {F} it is {P}, and that {slopes}"
-        raise InputError(f"solid_law: stress is not the derivative of energy: {wrong}")
+    wrong = f"solid_law: stress is not the derivative of energy: at F = {F} that"
+    _agree(wrong, slopes, P, 1e-5 * max(*map(abs, P), law.wave_modulus(F)))
+
+
+def _agree(what: str, found: Any, wanted: Any, least: Any = 0.0) -> None:
+    """InputError if numbers differ by more than a part of 1e-6 of those wanted, and ``least``."""
+    found, wanted, least = np.broadcast_arrays(found, wanted, least)
+    wrong = ~np.isclose(found, wanted, 1e-6, least, equal_nan=True)
+    if wrong.any():
+        raise InputError(f"{what} is {found[wrong][0]:.6g}: expected {wanted[wrong][0]:.6g}")
 
 
 def _symbols(*counts: int) -> list[Any]:

@@ -19,13 +19,7 @@ class ConstantTransport(NamedTuple):
     conductivity = viscosity  # kappa(T)/kappa
 
 
-class _Sutherland(NamedTuple):
-    T_ref: float
-    S: float
-    S_kappa: float
-
-
-class sutherland(_Sutherland):
+class sutherland(NamedTuple):
     """For `Fluid(transport=…)`: mu(T)/mu = (T/T_ref)^(3/2) (T_ref + S)/(T + S), and so for kappa.
 
     Source: W. Sutherland, Philosophical Magazine 36 (1893) 507. S of gases: F. M. White, Viscous
@@ -37,15 +31,17 @@ class sutherland(_Sutherland):
         S_kappa: that of the conductivity [K]; None: S.
     """
 
-    def __new__(cls, T_ref: float, S: float, S_kappa: float | None = None):
-        return super().__new__(cls, T_ref, S, S if S_kappa is None else S_kappa)
+    T_ref: float
+    S: float
+    S_kappa: float | None = None
 
     def ranges(self):
-        return POSITIVE, NONNEGATIVE, NONNEGATIVE
+        return POSITIVE, NONNEGATIVE, *[NONNEGATIVE] * (self.S_kappa is not None)
 
     def viscosity(self, T):
         ratio = T / self.T_ref
         return ratio * np.sqrt(ratio) * ((self.T_ref + self.S) / (T + self.S))
 
     def conductivity(self, T):
-        return self._replace(S=self.S_kappa).viscosity(T)
+        S = self.S if self.S_kappa is None else self.S_kappa
+        return self._replace(S=S).viscosity(T)

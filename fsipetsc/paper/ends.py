@@ -10,7 +10,7 @@ import numpy as np
 
 from fsipetsc.boundaries import Dirichlet, Open, Wall, clamped, free
 from fsipetsc.equations.vectors import choose
-from fsipetsc.kernels.loops import each, named, number, pick, stop, when, whole
+from fsipetsc.kernels.loops import each, number, pick, stop, when, whole
 from fsipetsc.paper.stencils import halo_of_rates
 from fsipetsc.scheme.plan import OFF_GRID
 
@@ -263,7 +263,7 @@ def fill_ghost(layer, new=False):
     """Give the ghost point its values. All ranks do, those that need it from points in their halos.
     new: it has no values yet.
     """
-    ghost = named(layer.hi if layer.side else layer.lo)
+    ghost = layer.hi if layer.side else layer.lo
     end = end_of(layer)(layer, ghost)
     for v in (end.rho, end.u, end.T) if new else ():
         # without data the highest difference is left, which vanishes
@@ -309,7 +309,7 @@ def close_solid(layer):
     for side, end in enumerate(layer.ends):
         if end is None:
             continue
-        i, given, heat = named(layer.active[side]), layer.given[side, 0], layer.given[side, 4]
+        i, given, heat = layer.active[side], layer.given[side, 0], layer.given[side, 4]
         step, n, d = 1 - 2 * side, 2.0 * side - 1.0, (1.0 - 2.0 * side) / layer.h
         with when((layer.own[0] <= i) & (i < layer.own[1])):
             x_X = sum(d * v * q[3, i + step * j] for j, v in enumerate(beta))

@@ -18,7 +18,6 @@ from fsipetsc.boundaries import Wall
 from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
-from fsipetsc.kernels.loops import named
 from fsipetsc.operators.sbp import SBPOperator, row_length
 from fsipetsc.paper.ends import OF_GAS, degree_of
 from fsipetsc.paper.rates import ROWS, Gas
@@ -129,8 +128,8 @@ class Layer(SimpleNamespace):
     @property
     def span(self) -> tuple[Any, ...]:
         """(a, b, A, B), see fsipetsc.paper.stencils: this rank's own active points."""
-        (begin, end), A, B = self.own, named(self.lo), named(self.hi)
-        return named(np.maximum(begin, A)), named(np.minimum(end, B + 1)), A, B
+        (begin, end), A, B = self.own, self.lo, self.hi
+        return np.maximum(begin, A), np.minimum(end, B + 1), A, B
 
     def places(self, points: Array) -> Array:
         """Where the unknowns of points are in the memory of all layers."""

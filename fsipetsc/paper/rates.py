@@ -28,7 +28,7 @@ point.
 import numpy as np
 
 from fsipetsc.equations import gas
-from fsipetsc.kernels.loops import each, named, number, pick, variable, when
+from fsipetsc.kernels.loops import each, number, pick, variable, when
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.paper.ends import beyond_boundary, distance, end_of, fill_ghost, move_boundary
 from fsipetsc.paper.stencils import STIFFNESS, add_remainder, derivatives, near_ends
@@ -69,7 +69,7 @@ class Gas(gas.Gas):
 def widened(span, reach):
     """(first, end) of the active points of a span and those within ``reach`` of them."""
     a, b, A, B = span
-    return named(np.maximum(A, a - reach)), named(np.minimum(B + 1, b + reach))
+    return np.maximum(A, a - reach), np.minimum(B + 1, b + reach)
 
 
 def rows_of_rates(layer):

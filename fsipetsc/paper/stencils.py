@@ -32,7 +32,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.kernels.loops import each, named, variable, when
+from fsipetsc.kernels.loops import each, variable, when
 from fsipetsc.operators.sbp import SBPOperator, fractions, undivided
 
 #: As STIFFNESS_OF_WIDE, by interior order: D2(1) has spectral radii of 4.0, 5.3, 6.0 and 7.1 at
@@ -77,7 +77,7 @@ def near_ends(op: SBPOperator, span: Any) -> Iterator[tuple[Any, Any, Any, int]]
     a, b, A, B = span
     for end, step in ((A, 1), (B, -1)):
         for r in each(op.rows):
-            i = named(end + step * r)
+            i = end + step * r
             with when((a <= i) & (i < b)):
                 yield r, i, end, step
 
@@ -88,14 +88,14 @@ def derivatives(layer, rows, span, scale):
     span, or to A, B.
     """
     op, (a, b, A, B) = layer.op, span
-    first, beyond = named(np.maximum(a, A + op.rows)), named(np.minimum(b, B + 1 - op.rows))
+    first, beyond = np.maximum(a, A + op.rows), np.minimum(b, B + 1 - op.rows)
     weights = [(k, scale * float(weight)) for k, weight in enumerate(op.interior, 1)]
     for i in each(first, beyond, vector=True):
         yield i, None, [sum(v * (q[i + k] - q[i - k]) for k, v in weights) for q in rows]
     for r, i, end, step in near_ends(op, span):
         sums = [variable(0.0) for _ in rows]
         for k in each(op.rows + op.p):
-            weight, j = layer.closure[r, 1 + k], named(end + step * k)
+            weight, j = layer.closure[r, 1 + k], end + step * k
             with when(weight != 0.0):  # what D does not reach may be no number
                 for q, total in zip(rows, sums, strict=True):
                     total.value = total.value + weight * q[j]

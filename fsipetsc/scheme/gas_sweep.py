@@ -29,7 +29,7 @@ from fsipetsc.equations.tensors import outer
 from fsipetsc.equations.vectors import add, along, mean, scale, sub
 from fsipetsc.kernels.arrays import aligned
 from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel, floats_of
-from fsipetsc.kernels.loops import each, named, pick, when
+from fsipetsc.kernels.loops import each, pick, when
 from fsipetsc.operators.bands import Band, Patch
 from fsipetsc.scheme.gas_terms import Form
 from fsipetsc.scheme.sweep import KINDS, Sweep, in_order, kept, order, pieces, store
@@ -129,7 +129,7 @@ class GasSweep(Sweep):
         stages = self.load, *([self.find_viscous] * self.kernels.viscous), self.rates
         for t in each(self.tiles.shape[0]):
             self.x0, self.x1, self.y0, self.y1 = (self.tiles[t, c] for c in range(4))
-            self.n = named(self.x1 - self.x0)
+            self.n = self.x1 - self.x0
             for s in each(self.steps.shape[0]):
                 stage, layer = self.steps[s, 0], self.steps[s, 1]
                 for number, do in enumerate(stages):
@@ -138,7 +138,7 @@ class GasSweep(Sweep):
 
     def row(self, rows, layer, j):
         """Row j of a layer in an array of rows that are kept."""
-        return rows[named(layer % self.layers * self.depth + (j - self.y0 + self.before))]
+        return rows[layer % self.layers * self.depth + (j - self.y0 + self.before)]
 
     def at(self, x):
         """Where the node x is in a row."""
@@ -148,8 +148,8 @@ class GasSweep(Sweep):
         """Where a row begins that is longer than the tile on both sides, and how many nodes it has;
         it ends where the grid does.
         """
-        begin = named(np.maximum(self.x0 - more, 0))
-        return begin, named(np.minimum(self.x1 + more, self.sizes[0]) - begin)
+        begin = np.maximum(self.x0 - more, 0)
+        return begin, np.minimum(self.x1 + more, self.sizes[0]) - begin
 
     def beside(self, more):
         """A loop over the rows of the tile and so many beside it."""
@@ -252,8 +252,8 @@ class GasSweep(Sweep):
         of_row, high = self.weight[1][j] * self.weight[2][layer], self.row(self.high, layer, j)
         for m in each(self.spans.shape[0]):
             k = self.spans[m, 0]
-            a = named(np.maximum(self.spans[m, 1], self.x0 - k))
-            n = named(np.minimum(self.spans[m, 2], self.x1) - a)
+            a = np.maximum(self.spans[m, 1], self.x0 - k)
+            n = np.minimum(self.spans[m, 2], self.x1) - a
             with when(n > 0):
                 at, place = self.at(a), self.ghosted_at(a, j, layer)
                 of_node, ends = self.S[0][k, a + MARGIN :], ((at, place), (at + k, place + k))

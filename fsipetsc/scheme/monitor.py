@@ -9,7 +9,7 @@ is computed from sums.
 
 import numpy as np
 
-from fsipetsc.kernels.loops import each, named, variable
+from fsipetsc.kernels.loops import each, variable
 from fsipetsc.scheme.observables import PLACES
 from fsipetsc.scheme.part import ghosted_node, rows_of
 from fsipetsc.scheme.plan import BAD, RATE, SAID_STOP, STOP
@@ -29,7 +29,7 @@ def survey(room, least, rows, see, columns=COLUMNS):
     room[: len(least), :columns], room[len(least) :, :columns] = -np.inf, 0.0
     for begin, end, more in rows:
         for tile in each((end - begin + (columns - 1)) // columns):
-            first = named(begin + tile * columns)
+            first = begin + tile * columns
             for c in each(np.minimum(columns, end - first), vector=True):
                 extremes, summed = see(first + c, more)
                 for row, number in enumerate(extremes):

@@ -29,7 +29,7 @@ from fsipetsc.equations.tensors import add_unit, apply, column_sums, product, tr
 from fsipetsc.equations.vectors import add, along, dot, scale, sub, total
 from fsipetsc.kernels.arrays import aligned
 from fsipetsc.kernels.kernel import OWNED, PLANES, ROWS, SHARED, Kernel, floats_of
-from fsipetsc.kernels.loops import each, named, otherwise, pick, when
+from fsipetsc.kernels.loops import each, otherwise, pick, when
 from fsipetsc.operators.bands import Patch
 from fsipetsc.scheme.sweep import KINDS, Sweep, in_order, kept, order, parts, pieces, store
 
@@ -171,11 +171,11 @@ class SolidSweep(Sweep):
                     with when(stage == number):
                         for y in each(boxes[t, box, 1, 0], boxes[t, box, 1, 1]):
                             x = boxes[t, box, 0, 0]
-                            do(x, named(boxes[t, box, 0, 1] - x), y, z)
+                            do(x, boxes[t, box, 0, 1] - x, y, z)
 
     def at(self, x, y, z):
         """The place of a node in planes of the tile."""
-        return named(z % self.layers * self.layer + (y - self.y0) * self.row + (x - self.x0))
+        return z % self.layers * self.layer + (y - self.y0) * self.row + (x - self.x0)
 
     def given(self, x, y, z):
         """What kernels take of the nodes from one on."""
@@ -206,8 +206,8 @@ class SolidSweep(Sweep):
                 self.combine(kind, axis, (y, z)[axis - 1], planes, count, out, x, x, n, y, z)
                 continue
             for run in each(self.runs.shape[0]):
-                begin = named(np.maximum(self.runs[run, 0], x))
-                many = named(np.minimum(self.runs[run, 1], x + n) - begin)
+                begin = np.maximum(self.runs[run, 0], x)
+                many = np.minimum(self.runs[run, 1], x + n) - begin
                 with when(many > 0):
                     self.combine(kind, 0, begin, planes, count, out, x, begin, many, y, z)
 
@@ -217,7 +217,7 @@ class SolidSweep(Sweep):
         """
         at, jumps, weights = self.at(begin, y, z), self.jumps[axis, node], self.weights
         for group in each((jumps[0] + 3) // 4):
-            several = [named(4 * group + 1 + m) for m in range(4)]
+            several = [4 * group + 1 + m for m in range(4)]
             w = [weights[kind, axis, node, m] for m in several]
             places = [at + self.away(axis, jumps[m], z) for m in several]
             for c in each(count):
@@ -228,10 +228,10 @@ class SolidSweep(Sweep):
     def away(self, axis, jump, z):
         """Numbers between a node and a neighbour along an axis in planes of the tile."""
         if axis < 2:
-            return named(jump * self.row) if axis else jump
+            return jump * self.row if axis else jump
         there = z % self.layers + jump
         around = pick(there < 0, self.layers, pick(there < self.layers, 0, -self.layers))
-        return named((jump + around) * self.layer)
+        return (jump + around) * self.layer
 
     def pull(self, x, n, y, z):
         """Find F, T and the tractions t^k, within the interior with kernels of its own."""

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from fsipetsc.equations.vectors import add, along, sub
 from fsipetsc.kernels.kernel import OWNED, Kernel, c_source, unit
-from fsipetsc.kernels.loops import each, either, named, pick, when, whole
+from fsipetsc.kernels.loops import each, either, pick, when, whole
 
 #: what is stored: k, the next stage, the solution
 RATES, STAGE, LAST = range(3)
@@ -130,12 +130,12 @@ class Sweep(SimpleNamespace):
 
     def ghosted_at(self, x: Any, y: Any, z: Any) -> Any:
         """The number of a node in ghosted arrays."""
-        return named((z * self.sizes[1] + y) * self.sizes[0] + x)
+        return (z * self.sizes[1] + y) * self.sizes[0] + x
 
     def own_at(self, x: Any, y: Any, z: Any) -> Any:
         """Its number among the owned nodes."""
         row = (z - self.first[2]) * self.own[1] + (y - self.first[1])
-        return named(row * self.own[0] + (x - self.first[0]))
+        return row * self.own[0] + (x - self.first[0])
 
     def loaded(self, x: Any, to: Any, y: Any, z: Any) -> Any:
         """Yield parts of a row of nodes x … to - 1: where they begin, how many they are, and the
@@ -175,11 +175,11 @@ def parts(x: Any, to: Any, y: Any, z: Any, ends: Any, may_be: Any = None) -> Any
         if of_axis is not None:
             within = (at >= of_axis[0]) & (at < of_axis[1])
             may_be = within if may_be is None else may_be & within
-    a = named(np.minimum(np.maximum(begin, x), to))
+    a = np.minimum(np.maximum(begin, x), to)
     a = a if may_be is None else pick(may_be, a, to)
-    b = named(np.maximum(np.minimum(end, to), a))
+    b = np.maximum(np.minimum(end, to), a)
     for part in each(3):
         first = pick(part == 0, x, pick(part == 1, a, b))
-        n = named(pick(part == 0, a, pick(part == 1, b, to)) - first)
+        n = pick(part == 0, a, pick(part == 1, b, to)) - first
         with when(n > 0):
             yield first, n, part == 1
