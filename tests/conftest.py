@@ -62,6 +62,18 @@ def flags_of_kernels(request: pytest.FixtureRequest) -> Iterator[None]:
 
 
 @pytest.fixture
+def quick_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pictures, on which nothing is looked for, without what takes longest to draw."""
+    from fsipetsc.output import drawing
+
+    quick = {"figure.constrained_layout.use": False, "axes.formatter.use_mathtext": False}
+    for name, value in {**quick, "savefig.dpi": 40}.items():
+        monkeypatch.setitem(drawing.STYLE, name, value)
+    for name in ("FILM_DPI", "HTML_DPI"):
+        monkeypatch.setattr(f"fsipetsc.output.page.{name}", 40)
+
+
+@pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """An empty directory as the working directory."""
     monkeypatch.chdir(tmp_path)

@@ -13,8 +13,6 @@ from pathlib import Path
 import pytest
 from helpers import REPOSITORY, compute, program
 
-from fsipetsc.output import drawing
-
 DOCS = REPOSITORY / "docs"
 PAGES = [REPOSITORY / "README.md", *sorted(DOCS.glob("*.md"))]
 TEXTS = {page.name: page.read_text() for page in PAGES}
@@ -186,10 +184,8 @@ def run_command(line):
 
 @pytest.mark.filterwarnings("ignore:FigureCanvasAgg is non-interactive")
 @pytest.mark.parametrize("page", [*FIRST, *OTHERS])
-def test_code_runs(page, here, monkeypatch):
+def test_code_runs(page, here, monkeypatch, quick_pictures):
     monkeypatch.setenv("MPLBACKEND", "agg")
-    monkeypatch.setitem(drawing.STYLE, "savefig.dpi", 40)
-    monkeypatch.setattr("fsipetsc.output.page.FILM_DPI", 40)
     (here / "runs").symlink_to(REPOSITORY / "runs")
     names = {"__name__": "__main__"}
     for language, content, expected in code_of(page):
