@@ -3,6 +3,8 @@
 The modes are found by Chebyshev collocation, an eigenvalue problem across the layers.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.polynomial import Chebyshev
 
@@ -27,9 +29,12 @@ def chebyshev(n: int, low: float, high: float) -> tuple[Array, Array]:
     return low + (x + 1) / 2 * (high - low), D * 2 / (high - low)
 
 
-def eigenmodes(gains: list[Array], weights: list[float], conditions: dict) -> tuple[Array, Array]:
-    """(s, modes (…, fields, n)) of gains z = s weights z, (n, unknowns) for each field. Some rows,
-    (field, point), give way to conditions, weights of all unknowns, whose sum is to be 0.
+def eigenmodes(
+    gains: list[Array], weights: list[float], conditions: dict, values_alone: bool = False
+) -> Any:
+    """(s, modes (…, fields, n)), or s alone, of gains z = s weights z, (n, unknowns) for each
+    field. Some rows, (field, point), give way to conditions, weights of all unknowns, whose sum is
+    to be 0.
     """
     from scipy.linalg import eig
 
@@ -37,7 +42,10 @@ def eigenmodes(gains: list[Array], weights: list[float], conditions: dict) -> tu
     B = np.array(weights)[:, None, None] * np.eye(A.shape[2]).reshape(A.shape)
     for row, condition in conditions.items():
         A[row], B[row] = condition, 0.0
-    values, vectors = eig(A.reshape(-1, A.shape[2]), B.reshape(-1, A.shape[2]))
+    both = A.reshape(-1, A.shape[2]), B.reshape(-1, A.shape[2])
+    if values_alone:
+        return eig(*both, right=False)
+    values, vectors = eig(*both)
     return values, vectors.T.reshape(-1, *A.shape[:2])
 
 
@@ -120,8 +128,8 @@ def wave(opt: Opt) -> BlockProblem:
     k, size, height, depth = 2.0 * np.pi, 1e-5, 1.0, 0.5
     ik, c = 1j * k, gas.sound_speed(1.0)
 
-    def modes(points):
-        """(s, amplitudes (rho, u, v, T), (x, y, U, V)) of all that swing, the slowest first."""
+    def modes(points, values_alone=False):
+        """s of all modes, or also their parts rho, u, v, T, x, y, U, V, and the points of both."""
         (x_g, D), (x_s, E) = chebyshev(points, 0.0, height), chebyshev(points, -depth, 0.0)
         rho, u, v, T, x, y, U, V = np.eye(8 * points).reshape(8, points, 8 * points)
         p, div = gas.R * (rho + T), ik * u + D @ v
@@ -141,23 +149,22 @@ def wave(opt: Opt) -> BlockProblem:
         if gas.kappa > 0:
             conditions |= {(3, 0): (D @ T)[0], (3, -1): (D @ T)[-1]}
         weights = [1.0, 1.0, 1.0, gas.cv, 1.0, 1.0, solid.m0, solid.m0]
-        values, vectors = eigenmodes(gains, weights, conditions)
-        found = []
-        for i in np.argsort(values.imag):
-            s, parts = complex(values[i]), vectors[i]
-            # much faster ones are the collocation's own
-            swings = s.imag > max(abs(s.real), 1e-6 * k * c) and abs(s) < 200.0 * k * c
-            if np.isfinite(s) and swings:
-                ends = parts[4:6, 0]
-                parts = parts / ends[np.argmax(np.abs(ends))]
-                found.append((s, polynomials(x_g, parts[:4]), polynomials(x_s, parts[4:])))
-        return found
+        found = eigenmodes(gains, weights, conditions, values_alone)
+        return found if values_alone else (*found, x_g, x_s)
 
-    finer = np.array([mode[0] for mode in modes(POINTS * 4 // 3)])
-    resolved = (m for m in modes(POINTS) if min(abs(m[0] - finer)) < 1e-7 * abs(m[0]))
-    s, of_gas, of_solid = next(resolved, (None, None, None))
-    if s is None:
+    (values, vectors, x_g, x_s), finer = modes(POINTS), modes(POINTS * 4 // 3, values_alone=True)
+    values, vectors = values[np.isfinite(values)], vectors[np.isfinite(values)]
+    swings = values.imag > np.maximum(np.abs(values.real), 1e-6 * k * c)
+    swings &= np.abs(values) < 200.0 * k * c  # faster ones are the collocation's own
+    apart = np.abs(values[:, None] - finer[np.isfinite(finer)]).min(axis=1)
+    resolved = np.flatnonzero(swings & (apart < 1e-7 * np.abs(values)))
+    if not resolved.size:
         raise InputError("no normal mode of the layers is resolved")
+    slowest = resolved[np.argmin(values.imag[resolved])]
+    s, parts = complex(values[slowest]), vectors[slowest]
+    ends = parts[4:6, 0]
+    parts = parts / ends[np.argmax(np.abs(ends))]
+    of_gas, of_solid = polynomials(x_g, parts[:4]), polynomials(x_s, parts[4:])
 
     def swinging(amplitudes, X, Y, t):
         phase = size * np.exp(1j * k * X + s * t)
