@@ -1,5 +1,6 @@
 """The command `verify`: its table, its references, and entries as a user runs them."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -13,7 +14,7 @@ from fsipetsc.studies.verify.command import entries, problem
 
 
 def test_orders_and_verdicts():
-    row = Row("u", 4, (0.1, 0.05, 0.025), (16e-4, 2e-4, 1e-5), 4.0)
+    row = Row("u", 4, 4.0, None, (0.1, 0.05, 0.025), (16e-4, 2e-4, 1e-5))
     assert row.observed == pytest.approx((3.0, np.log2(20.0)))
     for changed, verdict in (
         ({}, "converges"),
@@ -25,12 +26,12 @@ def test_orders_and_verdicts():
         ({"spacings": (0.1,), "errors": (1e-5,)}, "falls short"),
         ({"spacings": (0.1,), "errors": (0.0,), "rate": None, "most": 0.0}, "holds"),
     ):
-        assert row._replace(**changed).verdict == verdict
+        assert replace(row, **changed).verdict == verdict
     said = [
-        row._replace(rate=a, most=b).expected for a, b in ((2.8, None), (None, 2e-4), (3, 0.01))
+        replace(row, rate=a, most=b).expected for a, b in ((2.8, None), (None, 2e-4), (3, 0.01))
     ]
     assert said == ["order 2.8", "error 0.0002", "order 3 or error 0.01"]
-    small = row._replace(errors=(1e-10, 4e-16, 1e-16)).observed
+    small = replace(row, errors=(1e-10, 4e-16, 1e-16)).observed
     assert small[0] > 10.0 and np.isnan(small[1]), "round-off over round-off is no order"
 
 

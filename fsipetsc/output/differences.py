@@ -86,11 +86,10 @@ def _on_one_scale(found: list[Difference]) -> Iterator[Difference]:
     that of other fields, and velocities at least sqrt(p/rho). Times and what has no known unit keep
     their own.
     """
-    units = [unit_of(one.name.rpartition(": ")[2]) for one in found]
+    scales, units = dict[str, float](), [unit_of(one.name.rpartition(": ")[2]) for one in found]
     units = [one.name if unit in ("", "s") else unit for one, unit in zip(found, units)]
-    scales = dict.fromkeys(units, 0.0)
     for unit, one in zip(units, found):
-        scales[unit] = max(scales[unit], one.scale)
+        scales[unit] = max(scales.get(unit, 0.0), one.scale)
     if density := scales.get("kg m-3"):
         scales["m s-1"] = max(scales["m s-1"], math.sqrt(scales["Pa"] / density))
     return (replace(one, scale=scales[unit]) for unit, one in zip(units, found))

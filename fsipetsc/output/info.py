@@ -61,8 +61,7 @@ def _overview(run: Run) -> Rows:
 
 def _layer(run: Run, layer: Layer) -> str:
     ranges = (_range(f", {x} =", getattr(layer, x)) for x in "XYZ"[: run.dimension])
-    spacing = f", h = {layer.h:g}" * (run.dimension == 1)
-    return f"{layer.kind}, {layer.size}{''.join(ranges)}{spacing}; {', '.join(layer.fields)}"
+    return f"{layer.kind}, {layer.size}{''.join(ranges)}; {', '.join(layer.fields)}"
 
 
 def _range(label: str, values: Any, unit: str = "") -> str:

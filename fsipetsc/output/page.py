@@ -60,21 +60,18 @@ def plot(path: str, given: Mapping[str, str]) -> str:
         contours=CONTOURS.parse(given.get("-contours", "0")),
         streamlines="-streamlines" in given,
     )
-    where, every, film = Path(given.get("-o", os.curdir)), "-all" in given, "-animate" in given
-    endings = () if every else FILMS if film else PICTURES
-    if where.suffix in {*PICTURES, *FILMS} - {*endings}:
-        expected = " or ".join(["a directory", *endings])
-        raise InputError(f"plot: -o {where}: expected {expected}")
-    file, stem, done = where.suffix in endings, Path(path).stem, list[Path]()
+    where, stem, done = Path(given.get("-o", os.curdir)), Path(path).stem, list[Path]()
+    every, film = "-all" in given, "-animate" in given
     with open_run(path) as run, rc_context(drawing.STYLE), np.errstate(all="ignore"):
         for name, one in pictures(run, wanted).items() if every else ():
             done.append(drawing.save(drawn(run, name, [one]), where / f"{stem}-{name}.png"))
         if film:
             kinds = FILMS if FFMpegWriter.isAvailable() else FILMS[:1]
-            targets = [where] if file else [where / f"{stem}{kind}" for kind in kinds]
+            targets = [where] if where.suffix in FILMS else [where / f"{stem}{k}" for k in kinds]
             done += [animate(run, target, wanted) for target in targets]
         if not done:
-            done = [drawing.save(page(run, wanted), where if file else where / f"{stem}.png")]
+            target = where if where.suffix in PICTURES else where / f"{stem}.png"
+            done = [drawing.save(page(run, wanted), target)]
     return "\n".join(map(str, done))
 
 
@@ -236,7 +233,7 @@ def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
     """Draw a result as a film, all frames with the same scales, into a file that ends with .gif or
     .mp4, which is returned. FileError, InputError.
     """
-    from matplotlib.animation import writers
+    from matplotlib.animation import FuncAnimation
     from matplotlib.figure import Figure
 
     if run.nframes < 2:
@@ -251,6 +248,12 @@ def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
     titles = {frame: drawing.of_run(run, drawing.moment(run, frame)) for frame in frames}
     title = drawing.set_title(figure, max(titles.values(), key=len))  # the layout has room for each
 
+    def show(frame: int) -> None:
+        for axes, view in zip(grid, views):
+            axes.clear()
+            view.draw(axes, frame)
+        title.set_text(titles[frame])
+
     for axes, view in zip(grid, views):
         view.draw(axes, 0)
         if plane:
@@ -258,13 +261,7 @@ def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
     figure.draw_without_rendering()
     figure.set_layout_engine("none")  # only what is drawn moves from now on
     with writing(target, "the film"):
-        name = "pillow" if target.suffix == ".gif" else "ffmpeg"
-        writer = writers[name](fps=max(1.0, len(frames) / FILM_SECONDS))
-        with writer.saving(figure, target, FILM_DPI):
-            for frame in frames:
-                for axes, view in zip(grid, views):
-                    axes.clear()
-                    view.draw(axes, frame)
-                title.set_text(titles[frame])
-                writer.grab_frame()
+        name, rate = "pillow" if target.suffix == ".gif" else "ffmpeg", len(frames) / FILM_SECONDS
+        film = FuncAnimation(figure, show, frames, init_func=lambda: None)
+        film.save(target, name, max(1.0, rate), FILM_DPI)
     return target

@@ -165,7 +165,6 @@ class Layer(Mapping[str, Array]):
             0 alone, Y on axis 1 and Z on axis 2, they are (n_0,), (n_1,), (n_2,).
         places: (…, d) the same places.
         periodic: whether axis 0, 1 … is periodic.
-        h: mean spacing of X along axis 0 [m].
         x: (nframes, …) positions [m]; y, z: likewise.
     """
 
@@ -180,8 +179,6 @@ class Layer(Mapping[str, Array]):
         self.periodic: tuple[bool, ...] = tuple(entry.get("periodic", [False] * d)[::-1])
         lines = [*_short(np.moveaxis(self.places, -1, 0)), *[np.zeros(1)] * (3 - d)]
         self.X, self.Y, self.Z = lines
-        row = self.places.reshape(-1, self.shape[-1], d)[0, :, 0] if len(nodes) else np.zeros(1)
-        self.h = float(row[-1] - row[0]) / max(1, len(row) - 1)
 
     x = property(lambda self: self["x"])
     y = property(lambda self: self["y"])

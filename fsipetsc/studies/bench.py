@@ -25,7 +25,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import RUN, Option, defaults
 from fsipetsc.process.together import Comm, together
-from fsipetsc.studies.tables import Study, listed_in
+from fsipetsc.studies.trials import Study, listed_in
 
 #: form -> -fsi_convection, whether there is viscosity, words for the other program
 FORMS = {
@@ -146,22 +146,21 @@ def measured(
     sample(min(teams), 2)  # for what is made once
     step = study.comm.bcast(sample(min(teams), 10))
     steps = min(20_000, max(6, round(1e6 * study.opt["bench_seconds"] / (step or 1.0))))
-    times: dict[int, list[float]] = {n: [] for n in teams}
-    beside = []
+    rounds = []  # times of a step [µs]: number of ranks -> ours, 0 -> of the other program
     for _ in range(study.opt["bench_repeats"]):
-        for n, own in times.items():
-            own.append(sample(n, steps))
-        beside.append(on(1, lambda: time_of(program, steps) if program else None))
+        times = {n: sample(n, steps) for n in teams}
+        rounds.append({**times, 0: on(1, lambda: time_of(program, steps) if program else None)})
 
-    def ratio(a: list[float], b: list[float]) -> str:
-        return f"{median(x / y for x, y in zip(a, b, strict=True)):.3g}"
+    def ratio(a: int, b: int) -> str:
+        return f"{median(times[a] / times[b] for times in rounds):.3g}"
 
     rows: list[list[object]] = []
-    for n, own in times.items() if study.comm.rank == 0 else ():
-        of_node = 1e3 * median(own) / (4 * points[n])  # four stages
-        other = (f"{median(beside):.4g}", ratio(own, beside)) if program else ("", "")
-        speed_up = ratio(times[1], own) if n > 1 and 1 in times else ""
-        rows.append([n, f"{median(own):.4g}", f"{of_node:.3g}", *other, speed_up])
+    for n in teams if study.comm.rank == 0 else ():
+        own, other = (median(times[k] or 0.0 for times in rounds) for k in (n, 0))
+        of_node = 1e3 * own / (4 * points[n])  # four stages
+        beside = (f"{other:.4g}", ratio(n, 0)) if program else ("", "")
+        speed_up = ratio(1, n) if n > 1 and 1 in teams else ""
+        rows.append([n, f"{own:.4g}", f"{of_node:.3g}", *beside, speed_up])
     for state in filter(None, states.values()):
         state.destroy()
     return rows

@@ -19,12 +19,10 @@ from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import Option
 from fsipetsc.output.differences import common_nodes
-from fsipetsc.output.info import table
 from fsipetsc.output.quantities import unit_of
 from fsipetsc.output.reader import Run
 from fsipetsc.process.together import Comm, together
-from fsipetsc.studies.tables import Study, listed_in
-from fsipetsc.studies.trials import COLUMNS, HEAD, ROUND_OFF, Row, Trial, picture, rows_of
+from fsipetsc.studies.trials import ROUND_OFF, Row, Study, Trial, listed_in, picture
 
 #: relative differences of grids that resolve a solution are smaller
 RESOLVED = 0.1
@@ -67,51 +65,40 @@ def convergence(arguments: list[str], comm: Comm) -> None:
     source, norm = "exact solution" if exact else "next grid", opt["fsi_norm"]
     end, unit = opt["ts_max_time"], " s" * (problem.units == "SI")
     about = f"{case.NAME}, distances from the {source} in {norm} at t = {end:g}{unit}"
-    study.say(f"{about}, {counted(comm.size, 'rank')}")
-    lines, combined = list[list[object]](), list[Row]()
-    with study.results_folder() as folder:
-        for order in dict.fromkeys(orders):
-            study.say("")
-            trials = [Trial(comm, folder, order, h) for h in hs]
-            rows, runs = measured(study, case, trials, exact)
-            study.say("\n" + table([HEAD, *(row.cells for row in rows)], str.rjust))
-            costs = [[run.summary[name] for name in COST] for run in runs]
-            for row in rows:
-                of_grids = zip(row.lines(case.NAME, comm.size, source), costs)
-                lines += [[*line, *cost] for line, cost in of_grids]
-            study.save([*COLUMNS, *COST], lines)  # and again after each order
-            combined += [row for row in rows if row.quantity.endswith("/combined")]
-            study.on_first(partial(picture, about, combined, study.path.with_suffix(".png")))
-    study.say(f"\nsaved {study.path}")
+    study.say(f"{about}, {counted(comm.size, 'rank')}\n")
+    own = {**opt, "fsi_output_dt": None, "fsi_output_times": (end,), "fsi_quiet": True}
+    power, runs, combined = POWERS[norm], list[Run](), list[Row]()
 
-
-def measured(
-    study: Study, case: Any, trials: Sequence[Trial], exact: bool
-) -> tuple[list[Row], list[Run]]:
-    """Run a case on the grids of one order, from coarse to fine, and print what each run costs.
-    exact: whether it has an exact solution. Collective.
-    """
-    opt, order, runs = study.opt, trials[0].order, list[Run]()
-    own = {**opt, "fsi_output_dt": None, "fsi_output_times": (opt["ts_max_time"],)}
-    # closures err by order s at a fixed number of nodes
-    part = 1.0 / POWERS[opt["fsi_norm"]]
-    rate = trials[0].kinked(part) if opt["fsi_shock"] > 0.0 else order // 2 + part
-    for trial in trials:
-        run = trial.solve(case, **{**own, "fsi_h": trial.h, "fsi_quiet": True})
+    def one(trial: Trial) -> None:
+        """Run the case on a grid; compare it, or all grids of this order after the last one."""
+        if trial.h == hs[0]:
+            runs.clear()
+        run = trial.solve(case, **{**own, "fsi_h": trial.h})
         points, steps, _, seconds = (run.summary[name] for name in COST)
         cost = f"{points:>8.0f} points{steps:>8.0f} steps{seconds:>9.2f} s"
-        study.say(f"{OPERATORS[order].name}  h = {trial.h:<9.6g}{cost}")
+        study.say(f"{OPERATORS[trial.order].name}  h = {trial.h:<9.6g}{cost}")
+        runs.append(run)
+        # closures err by order s at a fixed number of nodes
+        smooth = trial.order // 2 + 1.0 / power
+        rate = trial.kinked(1.0 / power) if opt["fsi_shock"] > 0.0 else smooth
         for kind, errors in run.errors.items() if exact else ():
             for name, error in errors.items():
                 trial.check(f"{kind}/{name}", error, rate)
-        runs.append(run)
-    rows, hs = rows_of(trials), [trial.h for trial in trials]
-    if not exact:
-        found = together(study.comm, partial(differences, runs, POWERS[opt["fsi_norm"]]))
-        for name, of in found.items():
-            known = rate if of[-1] <= RESOLVED else None
-            rows.append(Row(name, order, hs, of, known, ROUND_OFF))
-    return rows, runs
+        if not exact and trial.h == hs[-1]:
+            for name, apart in together(comm, lambda: differences(runs, power)).items():
+                known = rate if apart[-1] <= RESOLVED else None
+                blanks = [("", "")] * len(apart)
+                row = Row(name, trial.order, known, ROUND_OFF, hs[:-1], apart, blanks)
+                trial.rows[name] = row
+
+    for rows in study.measured(dict.fromkeys(orders, hs), one):
+        study.say("")
+        costs = {name: [run.summary[name] for run in runs] for name in COST}
+        study.add(case.NAME, source, rows, costs)  # the table is written again after each order
+        study.say("")
+        combined += [row for row in rows if row.quantity.endswith("/combined")]
+        study.on_first(partial(picture, about, combined, study.path.with_suffix(".png")))
+    study.say(f"saved {study.path}")
 
 
 def differences(runs: Sequence[Run], power: int) -> dict[str, list[float]]:

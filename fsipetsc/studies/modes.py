@@ -1,18 +1,46 @@
-"""The command `modes CASE`: small motions about a steady state, by the scheme
-(fsipetsc.studies.linear); beside them exact ones where references have them.
+"""The command `modes CASE`: small motions about a steady state, by the scheme's right-hand side;
+beside them exact ones where references have them.
+
+The conditions make P q of the unknowns q, and L q are the rates of that. What may be disturbed is
+what P lets through, and P L acts on it: its eigenvalues are those of the modes.
+
+``modes_near`` finds eigenvalues next to an expected one, of any blocks. ``column_modes`` finds all
+where columns of blocks are alike: those along flat layers, those of a ring in the frame of radius
+and angle; in one dimension there is one column. The derivatives of column m by unknown j of column
+0, times exp(-i n phi), phi = 2 pi m / M, and added up over the M columns, are column j of a matrix
+for what is proportional to exp(i n phi).
 """
 
+from collections.abc import Iterable
 from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.linalg import orth
+from scipy.optimize import brentq
+from scipy.sparse.linalg import LinearOperator, eigs, splu
 
 from fsipetsc.cases import case_after, options_after
+from fsipetsc.errors import InputError
 from fsipetsc.options import Option
 from fsipetsc.process.together import Comm, together
-from fsipetsc.studies.tables import Study
-from fsipetsc.studies.trials import reference
+from fsipetsc.studies.trials import Study, reference
 
+Real, Complex = NDArray[np.float64], NDArray[np.complex128]
+#: weights of f(x + m s) - f(x - m s), m = 1, 2 …, in s f'(x): of order 2 and of order 8
+CENTRAL = {2: (1 / 2,), 8: (4 / 5, -1 / 5, 4 / 105, -1 / 280)}
+#: least disturbance, as a fraction of what there is, of columns, and of single unknowns
+NUDGE, TINY = 0.005, 2.0**-18
+#: |z| at which each mode is amplified, and round-off of |R|
+FARTHEST, ROUND_OFF = 3.2, 1e-12
+#: what moves by less than this part of the rate of a mode is at rest
+AT_REST = 1e-9
+#: how much a mode swings at least, over the largest |lambda|; how rough it may be, the squares of
+#: the differences of neighbours over those of the values, 1 for waves of 6 nodes: central
+#: differences give what alternates from node to node the frequency of a long wave
+SWINGING, ROUGH = 1e-6, 1.0
 _NEXT = "real angular frequency to be near; ring, shell: the slowest"
 OPTIONS = (
     Option("ring_angular", int, 2, "", "waves around a ring", check="nonnegative"),
@@ -46,22 +74,21 @@ def modes(arguments: list[str], comm: Comm) -> None:
 
     from fsipetsc.blockrun.block_state import BlockState
     from fsipetsc.stepping.run import block_form, build_problem
-    from fsipetsc.studies.linear import modes_near, radial_modes
 
     case, name = together(comm, lambda: case_after("modes", arguments)), arguments[0]
     study = Study(comm, arguments[1:], OPTIONS, "modes", case)
     opt = {**study.opt, **STEADY.get(name, {})}
     order, count, n = opt["fsi_order"], opt["modes_count"], opt["ring_angular"] * (name == "ring")
-    how = build_problem(case, opt, comm), order
+    how = build_problem(case, opt, comm), order, block_form(opt)
     usual = {o.name: o.default for o in case.OPTIONS if o.name != "ring_around"}
     usual |= STEADY.get(name, {})
     columns = [column for own, column in EXACT if {**usual, **own}.items() <= opt.items()]
     known = [omega for of in columns for omega in reference("normal_modes")[f"{of} imag"]]
 
     def found() -> Any:
-        if name in ("ring", "shell"):
-            return radial_modes(*how, n, block_form(opt))[:count]
-        with BlockState(MPI.COMM_SELF, *how, block_form(opt)) as state:
+        with BlockState(MPI.COMM_SELF, *how) as state:
+            if name in ("ring", "shell"):
+                return radial_modes(state, n)[:count]
             omega = 1j * modes_near(state, -1j * opt["modes_near"], count)
         return omega[np.argsort(np.abs(omega))]
 
@@ -74,3 +101,145 @@ def modes(arguments: list[str], comm: Comm) -> None:
     of = f", angular number {n}" if name == "ring" else ""
     study.say(f"modes of {case.NAME}{of}, order {order}, h = {opt['fsi_h']:g}: exp(-i omega t)")
     study.table(("index", "omega_re", "omega_im", "exact", "error"), rows, ".12g")
+
+
+def derivatives(state: Any, directions: Iterable[tuple[Any, Any]], order: int = 8) -> list[Any]:
+    """Sparse matrices L and P about the solution of a state, with a column for each direction of
+    disturbance: numbers in the vector of unknowns, and by how much they change. Central differences
+    of an order, 2 or 8.
+    """
+    start, columns = state.solution.array.copy(), []
+    y, f = np.empty_like(start), np.empty_like(start)
+    for at, change in directions:
+        column = np.zeros((2, start.size))
+        for multiple, weight in enumerate(CENTRAL[order], 1):
+            for sign in (1, -1):
+                y[:] = start
+                y[at] += sign * multiple * change
+                state.right_hand_side(y, f)
+                state.project(y)
+                column += sign * weight * np.array([f, y])
+        columns.append([sparse.csc_matrix(of[:, None]) for of in column])
+    return [sparse.hstack(found, "csc") for found in zip(*columns)]
+
+
+def step_limit(spectrum: Complex) -> float:
+    """The largest dt [s] for which RK4 amplifies none of these modes; one that grows counts with
+    its frequency alone. Along each ray of Re z <= 0, z = dt lambda, |R| <= 1 up to one point.
+    """
+    radius = float(np.abs(spectrum).max())
+    modes = (np.minimum(spectrum.real, 0.0) + 1j * spectrum.imag) / radius
+
+    def excess(x: float) -> float:
+        z = x * modes
+        return float(np.abs(1 + z * (1 + z / 2 * (1 + z / 3 * (1 + z / 4)))).max()) - 1 - ROUND_OFF
+
+    return float(brentq(excess, 0.0, FARTHEST)) / radius
+
+
+def radial_modes(state: Any, n: int = 0) -> Complex:
+    """Angular frequencies omega [1/s] of the modes of angular number n of rings at rest around the
+    origin, periodic along axis 1, or of shells in one dimension (n = 0), that swing, as
+    exp(-i omega t), and are not rough, the slowest first. InputError where the grid has not enough
+    columns for n.
+    """
+    columns = state.layout.shapes[0][1] if state.problem.dimension > 1 else 1
+    if 2 * n >= columns:
+        known = f"-ring_around {columns} knows angular numbers from 0 to {(columns - 1) // 2}"
+        raise InputError(f"-ring_angular {n}: {known}")
+    values, blocks = column_modes(state, 1, n)
+    steps = [np.diff(block, axis=0) for block in blocks]
+    squares = [sum((np.abs(a) ** 2).sum(axis=(0, 1)) for a in of) for of in (steps, blocks)]
+    smooth = squares[0] < ROUGH * squares[1]
+    omega = 1j * values[smooth & (values.imag < -SWINGING * np.abs(values).max())]
+    return omega[np.argsort(omega.real)]
+
+
+def column_modes(state: Any, axis: int, n: int) -> tuple[Complex, list[Complex]]:
+    """Eigenvalues [1/s] of what is proportional to exp(-i n phi), and of each block the amplitudes
+    of its unknowns over their scales, (rows, unknowns, eigenvalues).
+
+    axis: of the blocks, along which all columns are alike: 0 for flat layers, 1 for rings.
+    """
+    state.set_initial()
+    d, layout, sizes = state.problem.dimension, state.layout, scales(state)
+    columns = layout.shapes[0][axis] if d > 1 else 1
+    parts, vectors = [], []
+    for k, layer in enumerate(state.problem.layers):
+        nodes = layout.owned(k, np.arange(len(sizes)))
+        nodes = nodes.reshape(*layout.shapes[k][::-1], layout.dofs[k])
+        parts.append(nodes[None] if d == 1 else nodes if axis else nodes.swapaxes(0, 1))
+        begins = (1, 0, 1, 0, 0) if layer.kind == "solid" else (0, 0, 1, 0, 0)  # in two dimensions
+        vectors += begins * parts[-1].shape[1]
+    shapes = [part.shape[1:] for part in parts]
+    # of each column and unknown its number in the solution; all columns have the same sizes
+    at = np.concatenate([part.reshape(columns, -1) for part in parts], axis=1)
+    sizes, first = sizes[at[0]], np.flatnonzero(vectors)
+    phi = 2.0 * np.pi * np.arange(columns)[:, None, None] / columns
+    matrices = []
+    for found in derivatives(state, zip(at[0], NUDGE * sizes)):
+        of = found.tocsr()[at.ravel()].toarray().reshape(*at.shape, -1)
+        if d > 1 and axis == 1:  # vectors along radius and angle
+            a, b = of[:, first], of[:, first + 1]
+            of[:, first] = np.cos(phi) * a + np.sin(phi) * b
+            of[:, first + 1] = np.cos(phi) * b - np.sin(phi) * a
+        matrices.append((np.exp(-1j * n * phi) * of).sum(axis=0) / (NUDGE * sizes[:, None]))
+    rates, projection = matrices[0], matrices[1].real
+    basis = orth(projection, rcond=1e-9)
+    values, vectors = np.linalg.eig(basis.T @ (projection @ rates) @ basis)
+    ends = np.cumsum([rows * dofs for rows, dofs in shapes])[:-1]
+    amplitudes = np.split(basis @ vectors, ends)
+    return values, [of.reshape(*shape, -1) for of, shape in zip(amplitudes, shapes)]
+
+
+def modes_near(state: Any, s: complex, count: int = 1) -> Complex:
+    """Eigenvalues [1/s] next to s != 0, but those of what is at rest and stays so: the largest of A
+    (A - s)^-2, so many, or all but 2. InputError where the state is not steady or none are found.
+
+    Two of A may be one of A (A - s)^-2, which gives mixtures of their vectors: those of A are found
+    in the space of all vectors; of one more than is asked for, as the last may be such a mixture.
+    """
+    state.set_initial()
+    n, y = state.layout.local_size - state.layout.auxiliary, state.solution.array.copy()
+    nudges = TINY * scales(state)[:n]
+    found = derivatives(state, enumerate(nudges), order=2)
+    rates, projection = (sparse.diags(1.0 / nudges) @ of[:n] for of in found)
+    f = np.empty_like(y)
+    state.right_hand_side(y, f)
+    if np.abs(TINY * f[:n] / nudges).max() > AT_REST * abs(rates).max():
+        raise InputError("the blocks are not in a steady state at first")
+    A = (projection @ rates).astype(complex).tocsc()
+    try:
+        solve = splu(A - s * sparse.eye(n, format="csc")).solve
+        inverse = LinearOperator((n, n), lambda v: solve(A @ solve(v)), dtype=complex)
+        vectors = eigs(inverse, min(count + 1, n - 2), v0=np.ones(n, complex))[1]
+    except (RuntimeError, TypeError) as error:  # singular, without convergence, of 2 unknowns
+        known = f"-modes_near {abs(s):g}, -modes_count {count}: no modes found ({error})"
+        raise InputError(f"{known}; another frequency may help") from error
+    basis = orth(vectors)
+    values = np.linalg.eigvals(basis.conj().T @ (A @ basis))
+    moving = values[np.abs(values) > AT_REST * np.abs(values).max()]
+    return moving[np.argsort(-np.abs(moving / (moving - s) ** 2))][:count]
+
+
+def scales(state: Any) -> Real:
+    """Sizes of all unknowns of blocks at rest, those of a gas, and with its speed of sound; but all
+    velocities have the size of the slowest speed, as they are the same on both sides of interfaces.
+    """
+    d, start = state.problem.dimension, state.solution.array
+    sizes, velocities, slowest = np.ones_like(start), [], np.inf
+    for k, block in enumerate(state.problem.layers):
+        q, own = state.layout.owned(k, start), state.layout.owned(k, sizes)
+        if block.kind == "fluid":
+            rho, _, T, *_ = block.material.equations(d).primitive(tuple(q.T))
+            c = np.sqrt(block.material.gas_law.sound_speed_squared(rho, T))
+            own[:, 0], own[:, 1], own[:, -1] = q[:, 0], q[:, 1], q[:, 1] * c**2
+            velocities.append((own[:, 2:-1], q[:, 1:2]))
+        else:
+            c = np.sqrt(block.material.K / block.material.m0)
+            own[:, :d], own[:, -1] = state.h, np.abs(q[:, -1]) + c**2
+            velocities.append((own[:, d:-1], 1.0))
+        slowest = min(slowest, np.min(c))
+    for velocity, mass in velocities:
+        velocity[:] = slowest * mass
+    return sizes

@@ -1,16 +1,21 @@
-"""Cases and entries on grids: errors, observed orders, verdicts, pictures."""
+"""The engine of the commands of this folder: options, cases on grids of many spacings, errors,
+observed orders, verdicts; tables and pictures of them.
+"""
 
 import csv
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass, field
 from functools import partial
 from importlib.resources import files
 from importlib.util import find_spec
 from itertools import count, groupby, pairwise
 from math import log, nan
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -18,10 +23,13 @@ from fsipetsc.cases import case_of, load_case
 from fsipetsc.checks import Array
 from fsipetsc.errors import ComputationError, InputError, RanksError
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.options import defaults
+from fsipetsc.options import defaults, read_options, read_table
 from fsipetsc.output import drawing
+from fsipetsc.output.file_layout import check_folder, writing
+from fsipetsc.output.info import table
 from fsipetsc.output.reader import Run, open_run
-from fsipetsc.process.together import Comm, together
+from fsipetsc.process.launch import start_petsc
+from fsipetsc.process.together import Comm, done_asleep, together
 
 #: how far an observed order may be below what is expected
 SLACK = 0.4
@@ -32,21 +40,22 @@ HEAD = ("quantity", "order", "grid spacings", "errors", "observed orders", "expe
 COLUMNS = "case quantity order h ranks value reference source error rate verdict".split()
 
 
-class Row(NamedTuple):
+@dataclass
+class Row:
     """Errors of a quantity at an order of the operators, from the coarsest grid to the finest.
 
     What theory, or somebody else, says of it, or None: rate, the order of the errors between the
-    two finest grids; most, the largest error on the finest grid. pairs: on each grid the number
-    that is compared and its reference, or (). Errors may be differences from the next finer grid.
+    two finest grids; most, the largest error on the finest grid. pairs: of each grid the number
+    that is compared and its reference, as text. Errors may be differences from the next grid.
     """
 
     quantity: str
     order: int
-    spacings: Sequence[float]
-    errors: Sequence[float]
     rate: float | None = None
     most: float | None = None
-    pairs: Sequence[tuple[complex, ...]] = ()
+    spacings: list[float] = field(default_factory=list)
+    errors: list[float] = field(default_factory=list)
+    pairs: list[tuple[str, ...]] = field(default_factory=list)
 
     @property
     def expected(self) -> str:
@@ -70,15 +79,6 @@ class Row(NamedTuple):
         if self.rate is not None and self.observed and self.observed[-1] >= self.rate - SLACK:
             return "converges"
         return "holds" if self.most is not None and self.errors[-1] <= self.most else "falls short"
-
-    def lines(self, case: str, ranks: int, source: str) -> list[list[object]]:
-        """Lines of a CSV file under COLUMNS, one for each grid."""
-        about, found, rates = (case, self.quantity, self.order), [], ("", *self.observed)
-        pairs = self.pairs or [()] * len(self.errors)
-        for h, pair, error, rate in zip(self.spacings, pairs, self.errors, rates):
-            words = [f"{value:.12g}" for value in pair] or ["", ""]
-            found.append([*about, h, ranks, *words, source, error, rate, self.verdict])
-        return found
 
     @property
     def cells(self) -> tuple[str, ...]:
@@ -106,8 +106,7 @@ def picture(title: str, rows: Sequence[Row], path: Path) -> None:
             for row in of_order:
                 # a logarithmic axis has no place for 0
                 errors = np.where(np.array(row.errors) > 0.0, row.errors, np.nan)
-                h = row.spacings[: len(errors)]
-                axes.loglog(h, errors, "o-", markersize=4, label=row.quantity)
+                axes.loglog(row.spacings, errors, "o-", markersize=4, label=row.quantity)
             axes.set(title=OPERATORS[order].name, xlabel="grid spacing h", ylabel="errors")
             spacings = sorted({h for row in of_order for h in row.spacings})
             axes.set_xticks([], minor=True)
@@ -121,13 +120,12 @@ class Trial:
     """A case or an entry at an order of the operators, with a grid spacing h. Results go to
     ``folder``.
 
-    found: quantity -> its error, (number, reference) or (), and rate and most of its Row.
+    rows: quantity -> its row, to which this grid is added.
     """
 
-    def __init__(self, comm: Comm, folder: Path, order: int, h: float) -> None:
-        self.comm, self.order, self.h = comm, order, h
+    def __init__(self, comm: Comm, folder: Path, order: int, h: float, rows: Any) -> None:
+        self.comm, self.order, self.h, self.rows = comm, order, h, rows
         self.paths = (str(folder / f"{order}-{h!r}-{k}.h5") for k in count())
-        self.found: dict[str, tuple[float, tuple[complex, ...], Any, Any]] = {}
 
     def solve(self, what: Any, end: float | None = None, **options: Any) -> Run:
         """Run a case, or a problem, to its end or to another time, and return its result. Too many
@@ -147,16 +145,14 @@ class Trial:
             here = self.comm.rank < size
             ranks = self.comm.Split(int(not here), self.comm.rank)
             action = partial(run_case, case, opt, ranks) if here else lambda: None
-            with suppress(*[RanksError] * (size > 1)):
-                try:
-                    together(self.comm, action, asleep=True)
-                except RanksError:
-                    raise
-                except (ComputationError, InputError) as error:
+            try:
+                together(self.comm, action, asleep=True)
+                break
+            except (ComputationError, InputError) as error:
+                if size == 1 or not isinstance(error, RanksError):
                     told = str(error).partition(REMAINS)[0]  # the rest is removed with the others
                     words = f"order {self.order}, h = {self.h:g}: {told}"
                     raise type(error)(words) from None
-                break
         return together(self.comm, partial(open_run, opt["fsi_output"]))
 
     @property
@@ -181,42 +177,34 @@ class Trial:
         """
         size = np.abs(errors)
         norm = float(np.mean(size**power) ** (1 / power) if power else size.max())
-        self.found[quantity] = norm, (), order, error
+        self._add(quantity, norm, order, error)
 
     def compare(
         self, quantity: str, value: Any, reference: Any, order: Any = None, error: Any = None
     ) -> None:
         """Note a number, its relative distance from a reference, and what is expected of this."""
         apart = float(abs(value - reference) / abs(reference))
-        self.found[quantity] = apart, (value, reference), order, error
+        self._add(quantity, apart, order, error, f"{value:.12g}", f"{reference:.12g}")
+
+    def _add(self, quantity: str, error: float, rate: Any, most: Any, *pair: str) -> None:
+        row = self.rows.setdefault(quantity, Row(quantity, self.order))
+        row.spacings.append(self.h)
+        row.errors.append(error)
+        row.pairs.append(pair or ("", ""))
+        row.rate, row.most = rate, most
 
 
-def rows_of(trials: Sequence[Trial]) -> list[Row]:
-    """The rows of trials at one order, from the coarsest grid to the finest."""
-    rows, spacings = [], [trial.h for trial in trials]
-    for quantity, (*_, rate, most) in trials[-1].found.items():
-        errors, pairs, *_ = zip(*(trial.found[quantity] for trial in trials))
-        rows.append(Row(quantity, trials[-1].order, spacings, errors, rate, most, pairs))
-    return rows
-
-
-#: all entries by name, in the order of the table, once their files are imported: the function
-#: ``measure``, and the grids of the levels ``quick`` and ``full``, order of the operators ->
-#: spacings [m], coarse to fine
+#: entries by name, in the order of the table, once their file is imported: the function
+#: ``measure``; for the levels ``quick`` and ``full`` order of the operators -> cells in ``length``
 ENTRIES: dict[str, Any] = {}
-#: order of the operators -> cells in a length
-Cells = Mapping[int, Sequence[int]]
 
 
-def entry(quick: Cells, full: Cells, length: float = 1.0) -> Callable[[Any], Any]:
+def entry(quick: Any, full: Any, length: float = 1.0) -> Callable[[Any], Any]:
     """Make a function of a Trial an entry of its own name; problems/NAME.md says the rest."""
 
-    def grids(cells: Cells) -> dict[int, list[float]]:
-        return {order: [length / n for n in some] for order, some in cells.items()}
-
     def registered(measure: Any) -> Any:
-        levels = {"quick": grids(quick), "full": grids(full)}
-        ENTRIES[measure.__name__] = SimpleNamespace(measure=measure, **levels)
+        about = {"quick": quick, "full": full, "length": length}
+        ENTRIES[measure.__name__] = SimpleNamespace(measure=measure, **about)
         return measure
 
     return registered
@@ -227,3 +215,92 @@ def reference(name: str) -> dict[str, Array]:
     text = (files("fsipetsc.studies.verify") / "references" / f"{name}.csv").read_text("utf-8")
     table = csv.reader(line for line in text.splitlines() if not line.startswith("#"))
     return {head: np.array([float(v) for v in column]) for head, *column in zip(*table)}
+
+
+class Study:
+    """A command of this folder as it runs on all ranks of comm. Making one, and all methods but
+    ``say``, are collective.
+
+    words: arguments of the command. options: heading -> its options, or with a case those beside
+    the case's. name: of its CSV file if none is given. opt: the options in force; given: those that
+    were given; path: of the CSV file. InputError, FileError.
+    """
+
+    def __init__(
+        self, comm: Comm, words: Sequence[str], options: Any, name: str = "", case: Any = None
+    ) -> None:
+        self.comm, self.given = comm, start_petsc(words, comm)
+        if case is None:
+            self.opt = read_table(options, self.given)
+        else:
+            self.opt = read_options(case, self.given, options)
+            if self.opt["fsi_restart"] is not None:
+                raise InputError("-fsi_restart: this command begins with the data of the case")
+        target = self.opt["fsi_output"] if case is None or "fsi_output" in self.given else name
+        self.path = Path(re.sub(r"\.(csv|h5|png)$", "", target) + ".csv")
+        check_folder(self.path)
+        self.lines: list[list[object]] = []  # of the table, so far
+
+    def say(self, text: str) -> None:
+        """Print on rank 0; nothing with -fsi_quiet."""
+        if self.comm.rank == 0 and not self.opt["fsi_quiet"]:
+            print(text, flush=True)
+
+    def save(self, head: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+        """Write a table of rank 0. FileError."""
+
+        def write() -> None:
+            with writing(self.path, "the table"), self.path.open("w", encoding="utf-8") as file:
+                csv.writer(file, lineterminator="\n").writerows([head, *rows])
+
+        self.on_first(write)
+
+    def table(self, head: Sequence[str], rows: Sequence[Sequence[object]], spec: str) -> None:
+        """Print and write a table of rank 0; spec: format of the numbers that are printed."""
+        cells = [[format(v, spec) if isinstance(v, float) else v for v in row] for row in rows]
+        self.say(table([head, *cells], str.rjust))
+        self.save(head, rows)
+        self.say(f"\nsaved {self.path}")
+
+    def measured(
+        self, grids: Mapping[int, Sequence[float]], measure: Callable[[Trial], None]
+    ) -> Iterator[list[Row]]:
+        """Yield the rows of each order that a function makes of trials, on grids from coarse to
+        fine: order -> spacings. Results are in a folder beside the table, which is removed.
+        """
+        where = {"dir": self.path.parent, "prefix": f"{self.path.stem}-"}
+        made = partial(TemporaryDirectory, **where, ignore_cleanup_errors=True)
+        with self.on_first(made) or nullcontext() as folder:
+            folder = Path(self.comm.bcast(folder))
+            for order, spacings in grids.items():
+                rows: dict[str, Row] = {}
+                for h in spacings:
+                    measure(Trial(self.comm, folder, order, h, rows))
+                yield [*rows.values()]
+            done_asleep(self.comm.Ibarrier())  # other ranks may still read
+
+    def add(
+        self, case: str, source: str, rows: Sequence[Row], costs: Mapping[str, Sequence[Any]] = {}
+    ) -> None:
+        """Print rows, and write the table with them, a line for each grid; costs: more columns."""
+        for row in rows:
+            about, rates = (case, row.quantity, row.order), ("", *row.observed)
+            for i, (h, error) in enumerate(zip(row.spacings, row.errors)):
+                line = *about, h, self.comm.size, *row.pairs[i], source, error, rates[i]
+                self.lines.append([*line, row.verdict, *(of[i] for of in costs.values())])
+        self.save([*COLUMNS, *costs], self.lines)
+        if rows:
+            self.say(table([HEAD, *(row.cells for row in rows)], str.rjust))
+
+    def on_first(self, action: Callable[[], Any]) -> Any:
+        """action() on rank 0, while the others sleep: what it gives there, None elsewhere. FsiError
+        of rank 0 on all.
+        """
+        here = self.comm.rank == 0
+        return together(self.comm, action if here else lambda: None, asleep=True)
+
+
+def listed_in(allowed: Sequence[int]) -> Callable[[Sequence[int]], str | None]:
+    """Return the check of an option: some of the allowed numbers."""
+    words = f"numbers out of {','.join(map(str, allowed))}"
+    return lambda values: None if values and set(values) <= set(allowed) else words

@@ -11,10 +11,8 @@ from typing import Any
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.options import RUN, Option
 from fsipetsc.output.file_layout import writing
-from fsipetsc.output.info import table
 from fsipetsc.process.together import Comm
-from fsipetsc.studies.tables import Study
-from fsipetsc.studies.trials import COLUMNS, ENTRIES, HEAD, Row, Trial, picture, rows_of
+from fsipetsc.studies.trials import ENTRIES, HEAD, Row, Study, picture
 
 SECTIONS = {
     "Verification": (
@@ -28,7 +26,7 @@ SECTIONS = {
 
 def entries() -> dict[str, Any]:
     """Return all entries by name, in the order of the table; this starts PETSc."""
-    from fsipetsc.studies.verify import runs, small_motions  # noqa: F401
+    import fsipetsc.studies.verify.entries  # noqa: F401
 
     return ENTRIES
 
@@ -44,23 +42,18 @@ def verify(arguments: list[str], comm: Comm) -> None:
         if name not in every:
             raise InputError(f"verify: there is no entry {name!r}: expected {', '.join(every)}")
     counts: Counter[str] = Counter()
-    lines: list[Any] = []
     for name in names or every:
-        text, rows = problem(name), list[Row]()
+        text, entry, rows = problem(name), every[name], list[Row]()
         title, about = text.partition("\n")[0][2:], text.split("\n\n")[-1].rstrip()
         source = " ".join(about.split()).removeprefix("Reference: ").split(". Expected: ")[0]
         study.say(f"{title} ({name})\n{about}")
-        with study.results_folder() as folder:
-            for order, spacings in getattr(every[name], study.opt["verify_level"]).items():
-                trials = [Trial(comm, folder, order, h) for h in spacings]
-                for trial in trials:
-                    every[name].measure(trial)
-                rows += rows_of(trials)
-        lines += [line for row in rows for line in row.lines(name, comm.size, source)]
-        study.save(COLUMNS, lines)  # and again after each entry
+        cells = getattr(entry, study.opt["verify_level"]).items()
+        grids = {order: [entry.length / n for n in of_order] for order, of_order in cells}
+        for found in study.measured(grids, entry.measure):
+            rows += found
+        study.add(name, source, rows)  # the table is written again after each entry
+        study.say("" if rows else "only with -verify_level full\n")
         study.on_first(partial(_show, study, name, title, rows))
-        found = table([HEAD, *(row.cells for row in rows)], str.rjust)
-        study.say((found if rows else "only with -verify_level full") + "\n")
         counts += Counter(row.verdict for row in rows)
     short = counts["falls short"]
     said = f"{counts['converges']} converge, {counts['holds']} hold, {short} fall short"
