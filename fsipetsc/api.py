@@ -74,7 +74,7 @@ def _case(case: Any) -> Any:
 
 
 def _words(case: Any, options: Mapping[str, Any]) -> Iterator[str]:
-    """Return the options as on the command line, with the beginning of their names."""
+    """Yield the options as on the command line, with the beginning of their names. InputError."""
     known = {name.lower() for name in defaults(case)}
     for name, value in {"quiet": True, **options}.items():
         if value and name.lower() in ("check", "fsi_check"):

@@ -31,7 +31,7 @@ KINDS: Mapping[str, tuple[str, Callable[[Any], bool]]] = {
         lambda v: isinstance(v, str) and v.isprintable() and v.strip() != "" and "|" not in v,
     ),
     "cells": ("a whole number above 0", lambda v: v is None or whole(v)),
-    "units": ("'SI' or 'none'", lambda v: v in ("SI", "none", "")),
+    "units": ("'SI' or 'none'", lambda v: isinstance(v, str) and v in ("SI", "none", "")),
     "function": ("a function", callable),
     "optional": ("a function or None", lambda v: v is None or callable(v)),
 }
@@ -45,11 +45,11 @@ def described(value: Any) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def place_text(X: Any) -> str:
-    """ "X = 1", "(X, Y) = (1, 2)": a place in a message."""
+def place_text(X: Any, letters: str = "XYZ") -> str:
+    """ "X = 1", "(X, Y) = (1, 2)": a place in a message, with these letters for coordinates."""
     numbers = [f"{x:.6g}" for x in np.ravel(X)]
-    name, text = ", ".join("XYZ"[: len(numbers)]), ", ".join(numbers)
-    return f"({name}) = ({text})" if len(numbers) > 1 else f"X = {text}"
+    name, text = ", ".join(letters[: len(numbers)]), ", ".join(numbers)
+    return f"({name}) = ({text})" if len(numbers) > 1 else f"{name} = {text}"
 
 
 def counted(count: int, word: str) -> str:
@@ -159,9 +159,11 @@ def checked(
     names: Sequence[str],
     where: str,
     physical: bool = True,
+    letters: str = "XYZ",
 ) -> list[Array]:
-    """What a function of the case's returns, an array of (n,) for each name. X: (d, n) places, or
-    NOWHERE for one number each. physical: what is called rho or T must be above 0. InputError.
+    """What a function of the case's returns, an array of (n,) for each name. X: (d, n) places, in
+    messages with these letters, or NOWHERE for one number each. physical: what is called rho or T
+    must be above 0. InputError.
     """
     with np.errstate(all="ignore"):  # what comes of it is checked
         values = call(function, tuple(arguments), where)
@@ -171,12 +173,12 @@ def checked(
             found = "nothing (is its return missing?)" if values is None else described(values)
             expected = f"expected {len(names)} values ({', '.join(names)}) in a tuple"
             raise ValueError(f"returns {found}: {expected}")
-        return [_array_of(*one, X) for one in zip(values, names, above, strict=True)]
+        return [_array_of(*one, X, letters) for one in zip(values, names, above, strict=True)]
     except (TypeError, ValueError) as error:
         raise InputError(f"{place_of(function)}: {where}: {error}", collective=False) from None
 
 
-def _array_of(value: Any, name: str, positive: bool, X: Array) -> Array:
+def _array_of(value: Any, name: str, positive: bool, X: Array, letters: str) -> Array:
     """One of the values that a function has returned, for all places. ValueError."""
     size = X.shape[1]
     if type(value) is float and isfinite(value) and not positive:
@@ -186,13 +188,13 @@ def _array_of(value: Any, name: str, positive: bool, X: Array) -> Array:
     except ValueError:
         array = np.asarray(None)
     if array.dtype.kind not in "iuf" or isinstance(value, np.ma.MaskedArray):
-        wanted = f"one real number, or {size}, as X has" if len(X) else "a real number"
+        wanted = "real numbers, one or as many as places" if len(X) else "a real number"
         raise ValueError(f"{name} is {described(value)}: expected {wanted}")
     array = array.astype(float, copy=False)
     good = np.isfinite(array) & ((array > 0.0) | (not positive))
     if not good.all():
         i = int(np.argmin(good))
-        at = f" at {place_text(X[:, i])}" if len(X) else ""
+        at = f" at {place_text(X[:, i], letters)}" if len(X) else ""
         wanted = "a number above 0" if positive else "a finite number"
         raise ValueError(f"{name} = {array[i]:.6g}{at}: expected {wanted}")
     return array

@@ -135,10 +135,11 @@ def _is_users(name: str) -> bool:
 
 
 def place_of(function: Callable[..., Any]) -> str:
-    """Where a function is defined, as "file, line N"; its name if that is not known."""
+    """Where a user's function is defined, as "file, line N"; else its name."""
     while isinstance(function, partial) or hasattr(function, "__wrapped__"):
         function = function.func if isinstance(function, partial) else function.__wrapped__
-    if code := getattr(function, "__code__", getattr(type(function).__call__, "__code__", None)):
+    code = getattr(function, "__code__", getattr(type(function).__call__, "__code__", None))
+    if code and _is_users(code.co_filename):
         return f"{short(code.co_filename)}, line {code.co_firstlineno}"
     return getattr(function, "__name__", type(function).__name__)
 

@@ -36,9 +36,13 @@ def cache(tmp_path, monkeypatch):
     monkeypatch.delenv("CFLAGS", raising=False)
     monkeypatch.setenv("FSIPETSC_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(build, "_loaded", {})
-    build.folder.cache_clear()
+    known = build.folder, build._processor
+    for one in known:
+        one.cache_clear()
     yield tmp_path / "cache"
-    build.folder.cache_clear()
+    monkeypatch.undo()
+    for one in known:
+        one.cache_clear()
 
 
 def every_operation(a, b, c):
@@ -137,11 +141,14 @@ def twice(library):
 
 
 def test_a_library_is_kept_and_a_damaged_one_is_not_taken(cache):
-    (name,) = simple()
-    build.keep({name: b"no library"})
+    ((name, content),) = build.made(simple()).items()
+    flipped = bytearray(content)
+    flipped[len(content) // 2] ^= 1
+    for damaged in (b"no library", content[:-1], content[: len(content) // 2], bytes(flipped)):
+        build.keep({name: damaged})
+        assert build.found(name) is None
+    build.keep({name: content})
     assert stat.S_IMODE(cache.stat().st_mode) == 0o700
-    assert build.found(name) is None
-    build.keep(build.made(simple()))
     assert twice(build.found(name)) == 42.0
 
 
@@ -273,7 +280,7 @@ def test_two_runs_at_once_with_an_empty_cache(tmp_path):
 
 
 def test_a_signal_during_compilation_is_answered_at_once(tmp_path):
-    """No thread waits for compilers. (The compiler here takes longer than a test may.)"""
+    """The compiler here takes longer than a test may."""
     does = f"touch {tmp_path}/started; exec sleep 60"
     env = {**environment(), **compiler_that(does, tmp_path)}
     pipes = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}

@@ -1,5 +1,6 @@
 """The paper's method, fsipetsc.paper: rates, projections, integrals and bounds at random states, as
-they were frozen when two programs, written apart, agreed on them to 1e-12.
+they were when two programs, written apart, agreed on them to 1e-12; the file was frozen anew since,
+without a difference.
 
 `python tests/test_paper_rates.py` freezes them anew, which is for a change of the method alone."""
 

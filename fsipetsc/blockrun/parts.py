@@ -159,7 +159,7 @@ class GasPart(BlockPart):
         bulk modulus, and X there. q: (N, d + 3) of all nodes with a halo.
         """
         at, change, stride = self.owned, np.zeros(self.owned.size), 1
-        with np.errstate(all="ignore"):  # corners of halos hold nothing, and are not used
+        with np.errstate(all="ignore"):  # a state may be unphysical
             w = self.laws.primitive(tuple(q.T))
             p, K = w[1], self.laws.law.bulk_modulus(w[0], w[2])
         for size in self.patch.ghosted[: self.d]:

@@ -154,8 +154,8 @@ class Block:
     def _mapped(self, xi: Sequence[Array]) -> Array:
         """X (d, …) at logical coordinates. InputError."""
         flat = np.array([np.ravel(s) for s in xi])
-        where = f"map of {self}, with xi in the place of X"
-        X = checked(self.map, (tuple(flat),), flat, "XYZ"[: self.dimension], where)
+        names = "XYZ"[: self.dimension]
+        X = checked(self.map, (tuple(flat),), flat, names, f"map of {self}", letters="ξηζ")
         return np.reshape(X, (self.dimension, *np.shape(xi[0])))
 
     def _check_axes(self) -> None:

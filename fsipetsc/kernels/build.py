@@ -2,7 +2,8 @@
 
 A library is named by a hash of its text, of what the environment says, and of the instruction set
 of the processor. So a folder that several machines share holds a library for each, and a machine
-without a compiler loads what another one of its kind has made.
+without a compiler loads what another one of its kind has made. The file of a library ends with a
+hash of it: one that is damaged is made anew.
 
 The environment: CC names the compiler, CFLAGS are more flags for it. FSIPETSC_CACHE names the
 folder; else it is ``fsipetsc/libraries`` in XDG_CACHE_HOME or in the user's .cache.
@@ -22,7 +23,7 @@ from contextlib import suppress
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from tempfile import NamedTemporaryFile, TemporaryDirectory
+from tempfile import NamedTemporaryFile, TemporaryDirectory, gettempdir
 
 from fsipetsc.errors import FileError, InputError
 
@@ -75,7 +76,7 @@ def name_of(text: str) -> str:
 def folder() -> Path:
     """Where libraries are kept. InputError for a folder that others can write to."""
     home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    place = Path(os.environ.get("FSIPETSC_CACHE") or f"{home}/fsipetsc/libraries")
+    place = Path(os.environ.get("FSIPETSC_CACHE") or f"{home}/fsipetsc/libraries").absolute()
     with suppress(OSError):
         found = place.stat()
         if found.st_mode & 0o022 or found.st_uid != os.getuid():
@@ -87,11 +88,18 @@ def folder() -> Path:
 
 
 def found(name: str) -> ctypes.CDLL | None:
-    """The library of this name, if it is kept and can be loaded."""
+    """The library of this name, if it is kept, whole, and can be loaded."""
     if name not in _loaded:
         with suppress(OSError):
-            _loaded[name] = ctypes.CDLL(str(folder() / name))
+            content, path = (folder() / name).read_bytes(), str(folder() / name)
+            if content.endswith(_end(content[:-32])):
+                _loaded[name] = ctypes.CDLL(path)
     return _loaded.get(name)
+
+
+def _end(library: bytes) -> bytes:
+    """The 32 bytes with which the file of a library ends."""
+    return hashlib.sha256(library).digest()
 
 
 def loaded(name: str, given: Mapping[str, bytes]) -> ctypes.CDLL:
@@ -125,8 +133,8 @@ def keep(files: Mapping[str, bytes]) -> str:
 
 
 def made(texts: Mapping[str, str]) -> dict[str, bytes]:
-    """Compile texts in C, by name, which takes seconds. Returns the bytes of their libraries.
-    InputError where there is no compiler, or it fails.
+    """Compile texts in C, by name, which takes seconds. Returns the bytes of the files of their
+    libraries. InputError where there is no compiler, or it fails; FileError.
     """
     if not texts:  # needs no compiler
         return {}
@@ -138,10 +146,15 @@ def made(texts: Mapping[str, str]) -> dict[str, bytes]:
         path = os.path.join(place, name)
         Path(f"{path}.c").write_text(texts[name])
         _run([*command, f"{path}.c", "-o", path, "-lm"])
-        return Path(path).read_bytes()
+        library = Path(path).read_bytes()
+        return library + _end(library)
 
-    with TemporaryDirectory(prefix="fsipetsc-") as place, ThreadPoolExecutor(MOST_AT_ONCE) as pool:
-        return dict(zip(texts, pool.map(one, texts)))
+    try:
+        with TemporaryDirectory(prefix="fsipetsc-") as place:
+            with ThreadPoolExecutor(MOST_AT_ONCE) as pool:
+                return dict(zip(texts, pool.map(one, texts)))
+    except OSError as error:
+        raise FileError(f"cannot compile kernels in {gettempdir()}: {error.strerror}") from error
 
 
 def _command() -> list[str]:

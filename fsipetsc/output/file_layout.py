@@ -20,7 +20,7 @@ metadata, which has checksums (format of HDF5 1.10), is an error and not a crash
 
 A checkpoint, which is numbers and a text and never code, has
 
-    512 bytes        "fsipetsc checkpoint 8", the SHA-256 and the length of all that follows
+    512 bytes        "fsipetsc checkpoint 9", the SHA-256 and the length of all that follows
     an HDF5 file     header, JSON text; arrays/NAME for each array. HDF5 passes over 512 bytes, so
                      h5dump and h5py open the file as it is
 
@@ -52,6 +52,7 @@ NAMES = "names"  # attribute of the group of series: their names
 LIBVER = ("v110", "v110")
 _MAGIC = b"fsipetsc checkpoint "
 _CHECKPOINT = 9  # version
+_XDMF = b'<Xdmf Version="2.0"><!-- a result of fsipetsc -->'  # what ours begin with
 _HEAD = 512  # bytes: HDF5 looks for its own beginning at this place, too
 
 
@@ -208,8 +209,12 @@ def read_checkpoint(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[
     except OSError as error:
         raise FileError(f"{path}: cannot be read: {error.strerror or error}") from None
     body = content[_HEAD:]
+    version = content[len(_MAGIC) :].split(b"\n")[0]
+    if version.isdigit() and int(version) != _CHECKPOINT:
+        said = f"has version {int(version)}, this fsipetsc reads {_CHECKPOINT}"
+        raise FileError(f"{path}: the checkpoint {said}: start the run anew")
     if content[:_HEAD] != _head_of(body):
-        raise FileError(f"{path}: the checkpoint is damaged, or of another version of fsipetsc")
+        raise FileError(f"{path}: the checkpoint is damaged")
     with damage(str(path)), h5py.File(io.BytesIO(body), "r") as file:
         arrays = {key: found[...] for key, found in file.get("arrays", {}).items()}
         return json.loads(file["header"].asstr()[()]), arrays
@@ -234,7 +239,7 @@ def write_xdmf(run: Any) -> None:
     OSError.
     """
     target = beside(run.path, ".xdmf")
-    if target.exists() and b"<Xdmf" not in target.read_bytes()[:200]:
+    if target.exists() and not target.read_bytes().startswith(_XDMF):
         raise FileError(f"{target}: is no XDMF of a result, and is left; {run.path} is complete")
     kind, frames = 'GridType="Collection" CollectionType', ""
     for frame, t in enumerate(run.time.tolist()):
@@ -242,7 +247,7 @@ def write_xdmf(run: Any) -> None:
         about = f'Name="frame {frame}" {kind}="Spatial"'
         frames += f'<Grid {about}><Time Value="{t!r}"/>{blocks}</Grid>\n'
     series = f'<Grid Name="{escape(run.case)}" {kind}="Temporal">{frames}</Grid>'
-    put(target, f'<Xdmf Version="2.0"><Domain>{series}</Domain></Xdmf>'.encode())
+    put(target, _XDMF + f"<Domain>{series}</Domain></Xdmf>".encode())
 
 
 def _block(run: Any, k: int, frame: int) -> str:

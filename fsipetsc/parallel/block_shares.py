@@ -113,7 +113,7 @@ def share_out(extents: Sequence[Extent], size: int, mode: str = "auto") -> list[
 
 
 def slowest(extents: Sequence[Extent], shares: Sequence[Share], size: int) -> float:
-    """Work of the rank that has most to do: nodes, half of the halos, messages."""
+    """Work of the rank that has most to do, roughly: nodes, half of the halos, messages."""
     work = np.zeros(size)
     for extent, share in zip(extents, shares, strict=True):
         sides = [min(parts - 1, 2) for parts in share.grid]  # with a neighbour

@@ -78,6 +78,11 @@ def libraries(
     lacks = together(comm, lambda: [name for name in text_of if build.found(name) is None])
     # name -> the rank that compiles it: the lowest one that lacks it
     makers = {name: k for k, some in reversed([*enumerate(comm.allgather(lacks))]) for name in some}
+    in_C = text_of if build.keeps_text and comm.rank == 0 else {}
+    written = {name.replace(".so", ".c"): text.encode() for name, text in in_C.items()}
+    lost = build.keep(written)
+    for name in () if lost else written:
+        says(f"C text of kernels: {build.folder() / name}")
     if makers:
         begin = time.monotonic()
         says(f"compiling the kernels of this case (libraries: {len(makers)})")
@@ -87,13 +92,9 @@ def libraries(
         says(f"compiled in {time.monotonic() - begin:.1f} s")
         for of_rank in comm.allgather(kept):
             given.update(of_rank)
-    in_C = text_of if build.keeps_text and comm.rank == 0 else {}
-    written = {name.replace(".so", ".c"): text.encode() for name, text in in_C.items()}
-    lost = build.keep({**kept, **written})
+    lost = build.keep(kept) or lost
     if lost and comm.rank == 0:
         print(f"fsipetsc: warning: {lost}", file=sys.stderr)
-    for name in () if lost else written:
-        says(f"C text of kernels: {build.folder() / name}")
     return together(comm, lambda: [build.loaded(name, given) for name in names])
 
 
