@@ -8,11 +8,14 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 from kept_ranks import KEPT
 
 import fsipetsc
+from fsipetsc.kernels import build
+from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.output.differences import compare
 
 REPOSITORY = Path(__file__).resolve().parent.parent
@@ -158,6 +161,17 @@ def different(a: Path, b: Path, same_ranks: bool) -> list[str]:
 def program(name: str, folder: str = "verify") -> SimpleNamespace:
     """A program of a folder; those of `verify` compute references apart from the package."""
     return SimpleNamespace(**runpy.run_path(str(REPOSITORY / folder / f"{name}.py")))
+
+
+def recorded(function: Any, *records: Any) -> Procedure:
+    """A procedure, recorded, compiled and loaded."""
+    code = Code()
+    found = code.procedure("procedure", function, *records)
+    name = build.name_of(code.text)
+    if build.found(name) is None:
+        build.keep(build.made({name: code.text}))
+    code.load(build.loaded(name, {}))
+    return found
 
 
 def well(done: Done) -> Done:

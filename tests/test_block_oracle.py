@@ -9,9 +9,9 @@ import numpy as np
 import oracle_formulas as formulas
 import pytest
 from block_oracle import Oracle
+from helpers import recorded
 from oracle_engine import Engine
 from oracle_formulas import Clamped, Free, Gas, Given, NoSlip, Open, Roller, Slip, Solid
-from recorded import recorded
 
 from fsipetsc.particles.constraints import eliminate
 from fsipetsc.scheme import gas_sweep, solid_sweep

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from recorded import recorded
+from helpers import recorded
 
 from fsipetsc import Fluid, InputError
 from fsipetsc.equations.elementary import logarithm_rest

@@ -30,7 +30,7 @@ FLAGS = "-O0 -g -fsanitize=address,undefined -fsanitize-recover=address,undefine
 NAN_IN_NEW_MEMORY = "max_malloc_fill_size=1000000000:malloc_fill_byte=255"
 BEYOND = """
 import numpy as np
-from recorded import recorded
+from helpers import recorded
 from fsipetsc.kernels.loops import each
 
 def store(y):
