@@ -32,7 +32,7 @@ def at_wall(x, velocity=None, T=None):
 
 def data_of(state):
     parts = state.parts.values()
-    records = [vars(part.faces.record).values() for part in parts if part.faces.record]
+    records = [vars(part.faces).values() for part in parts if part.faces]
     faces = [of for record in records for of in record if isinstance(of, np.ndarray)]
     forcing = [part.forcing for part in parts if part.forcing is not None]
     prescribed = state.particles.prescribed

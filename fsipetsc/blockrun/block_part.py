@@ -2,12 +2,10 @@
 nodes and their data, for fsipetsc.scheme.faces.
 """
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Mapping, Sequence
 from functools import partial
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -33,116 +31,216 @@ Array = NDArray[Any]
 ABOVE_0 = "rho", "T", "slip_length"
 
 
-class FaceTerms:
-    """Terms of the faces of one part of a block that have a condition, or interfaces with jumps.
+class BlockPart(Part):
+    """One part of a block, which is what its procedures take: see fsipetsc.scheme.part.
 
-    X: (d, ghosted nodes) places in the reference map. record: for procedures, once its sources have
-    filled it.
-
-    In three dimensions, and around an axis or a centre, the pressure p_ref under which a solid is
-    free of strain is no part of its stress: -p_ref cof F would not be at rest with a gas. Nor is it
-    part of the stress of a law of a case. Faces to gas, and those with a traction of their own, get
-    p_ref n(x) instead; in three dimensions n is in the curl form that the gas has.
+    X: (d, ghosted nodes) places in the reference map. owned, H: (M,) rows in the ghosted array of
+    the nodes that the rank owns, and their H. faces: those with a condition, or with jumps, None
+    without any. terms: what adds to rates. sources: of data that may depend on time. at_particles:
+    faces at constraints, known once there are particles. added: whether something adds to the rates
+    of nodes within the block, after its sweep. reads_ghosted: whether something but sweeps reads
+    the ghosted array. names: of what is saved of a node. does: name -> procedure.
     """
 
-    def __init__(self, problem: Any, part: Part, order: int, X: Array) -> None:
-        k, d, self._jumps = part.k, problem.dimension, problem.jumps
-        block = problem.blocks[k]
-        self._d, self._gas, self.p_ref = d, block.kind == "fluid", _left_out(problem, k)
+    def __init__(self, layout: BlockLayout, part: Part, order: int) -> None:
+        super().__init__(**vars(part))
+        self.layout, self.problem, self.order = layout, layout.problem, order
+        self.block = block = self.problem.blocks[part.k]
+        self.d = d = block.dimension
+        self.laws = block.material.equations(d, self.problem.symmetry)
+        self.names = fields_of(block.kind, d, self.problem.symmetry)
+        self.X = self.problem.positions(part.k, part.ghosted)
+        self.owned = part.patch.ghosted_rows(np.arange(part.numbers.size))
+        self.H = part.weights(self.owned)
+        self.p_ref = _left_out(self.problem, part.k)
         self.sources, self._slips = list[Source](), list[tuple[Array, slice, Array]]()
-        self.record: Any = None
-        alike = [n for n, other in enumerate(problem.blocks) if other.kind == block.kind]
+        self.faces: Any = None
+        self._find_faces()
+        self.terms: tuple[Any, ...] = (self.faces,) * bool(self.faces)
+        self.reads_ghosted = bool(self.terms)
+        self.forcing, self.forced = None, any(self.laws.force)
+        if block.forcing is not None:
+            self.forcing = np.zeros((len(names_of(block.kind, "forcing", d)), self.owned.size))
+            given = "forcing", self._forced, self.X[:, self.owned], None
+            self.sources.append(Source(*given, *self.forcing))
+        # what else procedures take
+        reaches, sizes = [band.reach for band in part.bands], part.patch.ghosted
+        self.S, self.weight = np.zeros((3, 1 + max(reaches), max(sizes))), np.zeros((3, max(sizes)))
+        for k, band in enumerate(part.bands):
+            self.S[k, : 1 + band.reach, : sizes[k]], self.weight[k, : sizes[k]] = band
+        self.axes = np.array([reaches, sizes, np.cumprod([1, *sizes[:2]])]).T.copy()
+        self.like, self.per_h = (0.0,) * d, np.array(block.cells, float)
+        self.loses = self.problem.loses(part.k)
+
+    def add_sources(self, add_force: Any, supply: Any) -> None:
+        """Let these functions add a constant force and forcing to rates, if there are any."""
+        self.terms += (add_force,) * self.forced + (supply,) * (self.forcing is not None)
+
+    def _forced(self, x: Any, t: Any) -> Any:
+        """The forcing, of numbers or symbols."""
+        if isinstance(t, Symbol):
+            return numbers_of(self.block.forcing(*x, t), len(self.forcing))
+        return block_values(self.block, "forcing", x, t)
+
+    # what passes faces
+
+    def _find_faces(self) -> None:
+        """List the nodes of faces, those of one effect together, and the sources of their data."""
+        problem, d, gas = self.problem, self.d, self.block.kind == "fluid"
+        alike = [n for n, other in enumerate(problem.blocks) if other.kind == self.block.kind]
         # blocks of one kind have one text
-        effects = list(dict.fromkeys(effect for n in alike for *_, effect in _acting(problem, n)))
-        acting = sorted(_acting(problem, k), key=lambda face: effects.index(face[3]))
+        sizes = {effect: 0 for n in alike for *_, effect in _acting(problem, n)}
+        acting = sorted(_acting(problem, self.k), key=lambda face: [*sizes].index(face[3]))
         if not acting:  # on all ranks of the block, for these record the same
             return
-        listed = [nodes_of(problem, part, axis, side) for axis, side, *_ in acting]
+        listed = [self.nodes_of(axis, side) for axis, side, *_ in acting]
+        for (*_, effect), of in zip(acting, listed, strict=True):
+            sizes[effect] += of["own"].size
+        begins = accumulate(sizes.values(), initial=0)
+        groups = [
+            SimpleNamespace(effect=effect, begin=begin, nodes=size)
+            for (effect, size), begin in zip(sizes.items(), begins)
+        ]
         nodes = {name: np.concatenate([of[name] for of in listed]) for name in listed[0]}
-        ends = np.cumsum([0, *(of["own"].size for of in listed)]).tolist()
-        places = [slice(*pair) for pair in pairwise(ends)]
-        groups, n = [], ends[-1]
-        for effect in effects:  # whose nodes lie together
-            of = [at for at, face in zip(places, acting, strict=True) if face[3] == effect]
-            begin, end = (of[0].start, of[-1].stop) if of else (0, 0)
-            groups.append(SimpleNamespace(effect=effect, begin=begin, nodes=end - begin))
+        n = nodes["own"].size
         pressure, heat, more = np.zeros((3, n))
-        if self._gas:
+        if gas:
             own = {"outside": np.zeros((n, d + 2)), "width": more, "add_node": pass_face}
         else:
             traction, normal = np.zeros((2, n, d))
             own = {"traction": traction, "normal": normal, "stress": more, "add_node": load_face}
         given = {**nodes, **own, "pressure": pressure, "heat": heat}
-        self.record, turned = Faces(**given, groups=tuple(groups), turned=()), []
-        for (axis, side, condition, effect), where in zip(acting, places, strict=True):
-            if d == 3 and not self._gas:
-                turned.append(_turned(problem, part, order, axis, side, where))
-            numbers = part.numbers[nodes["own"][where]]
-            X = problem.places(k, numbers)
+        self.faces, turned = Faces(**given, groups=tuple(groups), turned=()), []
+        ends = accumulate((of["own"].size for of in listed), initial=0)
+        for (axis, side, condition, effect), pair in zip(acting, pairwise(ends), strict=True):
+            where = slice(*pair)
+            if d == 3 and not gas:
+                turned.append(self._turned(axis, side, where))
+            numbers = self.numbers[nodes["own"][where]]
+            X = problem.places(self.k, numbers)
             self._take(condition, X, where)
             if getattr(condition, "slip_length", None) is not None:
-                step = int(np.prod(block.shape[:axis])) * (-1 if side else 1)
-                beside = problem.places(k, numbers + step)
+                step = int(np.prod(self.block.shape[:axis])) * (-1 if side else 1)
+                beside = problem.places(self.k, numbers + step)
                 self._slips.append((X, where, np.linalg.norm(X - beside, axis=1)))
             if effect.first_order:
-                low, high = (block.face_positions(axis, at) for at in (0, 1))
-                self.record.width[where] = np.linalg.norm(high - low, axis=0).mean()
+                low, high = (self.block.face_positions(axis, at) for at in (0, 1))
+                self.faces.width[where] = np.linalg.norm(high - low, axis=0).mean()
         if turned:
-            self._cubes, self.record.turned = zip(*turned)  # addresses of the faces point to cubes
+            self._cubes, self.faces.turned = zip(*turned)  # addresses of the faces point to cubes
+
+    def nodes_of(self, axis: int, side: int) -> dict[str, Array]:
+        """What fsipetsc.scheme.faces takes of this rank's nodes of a face, without data."""
+        nodes, through = self.block.face_nodes(axis, side), self.problem.column_of_face
+        own = self.rows_among(nodes)
+        at, ones = self.patch.ghosted_rows(own), np.ones(own.size)
+        last = self.patch.first[axis] + (self.patch.own[axis] - 1 if side else 0)
+        weight = float(self.bands[axis].weight[last])
+        return {
+            "at": at,
+            "own": own,
+            "axis": np.full(own.size, axis),
+            "sign": ones if side else -ones,
+            "per_weight": ones / weight,
+            "across": self.weights(at) / weight,
+            "column": np.full(own.size, through.get((self.k, axis, side), len(through))),
+        }
 
     def _take(self, condition: Any, X: Array, at: slice) -> None:
-        """Take the data of a face, with nodes here or without, of which p_ref is a part."""
-        rows, record = np.arange(at.start, at.stop), self.record
-        if isinstance(condition, Meeting):  # of a solid
-            record.pressure[at] = 0.0 - self.p_ref
-            if self._jumps is not None:
-                to = record.traction, record.heat
-                self.sources.append(Source(condition, self._supplied, X.T, rows, *to))
-            return
-        less = self.p_ref if condition.loaded else 0.0
-        record.pressure[at] = 0.0 - less
+        """Take the data of a face, with nodes here or without.
+
+        In three dimensions, and around an axis or a centre, the pressure p_ref under which a solid
+        is free of strain is no part of its stress: -p_ref cof F would not be at rest with a gas.
+        Nor is it part of the stress of a law of a case. Faces to gas, and those with a traction of
+        their own, get p_ref n(x) instead; in three dimensions n is in the curl form of the gas.
+        """
+        rows, faces = np.arange(at.start, at.stop), self.faces
+        met = isinstance(condition, Meeting)  # of a solid
+        less = self.p_ref if met or condition.loaded else 0.0
+        faces.pressure[at] = 0.0 - less
+        if met and self.problem.jumps is not None:
+            to = faces.traction, faces.heat
+            self.sources.append(Source(condition, self._supplied, X.T, rows, *to))
         for column, names in COLUMNS.items():
             if getattr(condition, names[0], None) is not None:
                 make = partial(_column, condition, names, less if column == "pressure" else 0.0)
-                self.sources.append(Source(condition, make, X.T, rows, getattr(record, column)))
+                self.sources.append(Source(condition, make, X.T, rows, getattr(faces, column)))
 
     def _supplied(self, x: Any, t: Any) -> tuple[Any, Any]:
         """Traction and heat that a solid gets from outside at interfaces, of numbers or symbols."""
+        jumps = self.problem.jumps
         if isinstance(t, Symbol):
-            *traction, heat = numbers_of(self._jumps(*x, t), self._d + 1)
+            *traction, heat = numbers_of(jumps(*x, t), self.d + 1)
         else:
-            names = *(f"traction along {x}" for x in "xyz"[: self._d]), "heat"
-            *traction, heat = checked(self._jumps, (*x, t), x, names, f"jumps at t = {t:.6g}")
+            names = *(f"traction along {x}" for x in "xyz"[: self.d]), "heat"
+            *traction, heat = checked(jumps, (*x, t), x, names, f"jumps at t = {t:.6g}")
         return tuple(traction), heat
 
-    def check(self, t: float) -> None:
-        """InputError where a slip length is shorter than a cell, which no step resolves."""
+    def _turned(self, axis: int, side: int, nodes: slice) -> Any:
+        """A face of a solid in three dimensions, of which this rank may have no nodes, and its
+        cube.
+        """
+        shape, ghosted = self.block.shape, self.ghosted
+        sizes = zip(ghosted, self.patch.first, self.patch.own, strict=True)
+        where = [(begin + first, begin + first + own) for (begin, _), first, own in sizes]
+        where[axis] = (shape[axis] - 1, shape[axis]) if side else (0, 1)
+        wide = Wide(self.problem, self.k, self.order, where)
+        index = [
+            np.clip(np.arange(*ends) - begin, 0, end - begin - 1)
+            for ends, (begin, end) in zip(wide.wide, ghosted, strict=True)
+        ]
+        places = np.meshgrid(*index, indexing="ij")
+        at = np.ravel_multi_index(places, self.patch.ghosted, order="F").ravel(order="F")
+        areas = np.zeros((9, int(np.prod([end - begin for begin, end in where]))))
+        address, kept = cube_of(wide, [(axis, 0)])
+        of_cube = {"address": address, "x": wide.y.copy(), "y": wide.y, "at": at, "areas": areas}
+        of_face = {"row": 3 * axis, "begin": nodes.start, "nodes": nodes.stop - nodes.start}
+        return kept, SimpleNamespace(**of_cube, **of_face, sign=1.0 if side else -1.0)
+
+    def refresh(self, t: float) -> None:
+        """Data of faces and of the forcing at time t [s]. InputError, also where a slip length is
+        shorter than a cell, which no step resolves.
+        """
+        for one in self.sources:
+            one.fill(t)
         for X, at, spacing in self._slips:
-            length = self.record.width[at]
+            length = self.faces.width[at]
             for n in np.flatnonzero(~(length >= spacing))[:1]:
                 where = f"slip_length of NoSlip at t = {t:.6g} is {length[n]:.4g}"
                 wanted = f"the distance {spacing[n]:.4g} of the nodes beside the wall, or more"
                 raise InputError(f"{where} at {place_text(X[n])}: expected {wanted}")
 
+    # what is recorded
 
-def _turned(problem: Any, part: Part, order: int, axis: int, side: int, nodes: slice) -> Any:
-    """A face of a solid in three dimensions, of which this rank may have no nodes, and its cube."""
-    shape, ghosted = problem.blocks[part.k].shape, part.ghosted
-    sizes = zip(ghosted, part.patch.first, part.patch.own, strict=True)
-    where = [(begin + first, begin + first + own) for (begin, _), first, own in sizes]
-    where[axis] = (shape[axis] - 1, shape[axis]) if side else (0, 1)
-    wide = Wide(problem, part.k, order, where)
-    index = [
-        np.clip(np.arange(*ends) - begin, 0, end - begin - 1)
-        for ends, (begin, end) in zip(wide.wide, ghosted, strict=True)
-    ]
-    places = np.meshgrid(*index, indexing="ij")
-    at = np.ravel_multi_index(places, part.patch.ghosted, order="F").ravel(order="F")
-    areas = np.zeros((9, int(np.prod([end - begin for begin, end in where]))))
-    address, kept = cube_of(wide, [(axis, 0)])
-    of_cube = {"address": address, "x": wide.y.copy(), "y": wide.y, "at": at, "areas": areas}
-    of_face = {"row": 3 * axis, "begin": nodes.start, "nodes": nodes.stop - nodes.start}
-    return kept, SimpleNamespace(**of_cube, **of_face, sign=1.0 if side else -1.0)
+    @property
+    def inner(self) -> list[tuple[int, int]]:
+        """First node and first beyond along each axis of the ghosted array, of the owned nodes to
+        whose rates nothing is added after a sweep: none of them is on a face of the block.
+        """
+        found = []
+        for axis, (first, n) in enumerate(zip(self.patch.first, self.patch.own, strict=True)):
+            begin, end = first, first + (0 if self.added else n)
+            if axis < self.d and not self.block.periodic[axis]:
+                at = self.ghosted[axis][0] + first
+                begin, end = begin + (at == 0), end - (at + n == self.block.shape[axis])
+            found.append((begin, max(begin, end)))
+        return found
+
+    def record(self, system: Any, found: Any, begins: Mapping[str, int]) -> Code:
+        """Record the procedures of this part. InputError, perhaps on this rank alone.
+
+        system: of particles; found: see fsipetsc.scheme.plan; begins: name -> where a series
+        begins in the record of a step. A subclass has _prepare(system), which makes what procedures
+        take beside, and returns the text of kernels, and the procedures.
+        """
+        self.columns, self.free = SimpleNamespace(**begins), in_order(self.inner, self.d)
+        text, functions = self._prepare(system)
+        code, self.does = Code(text), dict[str, Procedure]()
+        takes = {"particles": system.record, "gain": found.gain, "found": found}
+        for f in functions:  # they take what their parameters name
+            beside = [takes[p] for p in inspect.signature(f).parameters if p in takes]
+            self.does[f.__name__] = code.procedure(f"part_{f.__name__}", f, self, *beside)
+        return code
 
 
 def _left_out(problem: Any, k: int) -> float:
@@ -168,24 +266,6 @@ def _column(condition: Condition, names: Sequence[str], less: float, x: Any, t: 
     return (tuple(found),) if len(found) > 1 else (found[0] - less,)
 
 
-def nodes_of(problem: Any, part: Part, axis: int, side: int) -> dict[str, Array]:
-    """What fsipetsc.scheme.faces takes of this rank's nodes of a face, without data."""
-    nodes, through = problem.blocks[part.k].face_nodes(axis, side), problem.column_of_face
-    own = part.rows_among(nodes)
-    at, ones = part.patch.ghosted_rows(own), np.ones(own.size)
-    last = part.patch.first[axis] + (part.patch.own[axis] - 1 if side else 0)
-    weight = float(part.bands[axis].weight[last])
-    return {
-        "at": at,
-        "own": own,
-        "axis": np.full(own.size, axis),
-        "sign": ones if side else -ones,
-        "per_weight": ones / weight,
-        "across": part.weights(at) / weight,
-        "column": np.full(own.size, through.get((part.k, axis, side), len(through))),
-    }
-
-
 def _acting(problem: Any, k: int) -> list[tuple[int, int, Any, Effect]]:
     """Axis, side, what stands there and what it adds to rates, of faces of block k where it does.
 
@@ -204,91 +284,3 @@ def _acting(problem: Any, k: int) -> list[tuple[int, int, Any, Effect]]:
         if effect is not None:
             found.append((axis, side, condition, effect))
     return found
-
-
-class BlockPart(Part):
-    """One part of a block, which is what its procedures take: see fsipetsc.scheme.part. does: name
-    -> procedure.
-
-    owned, H: (M,) rows in the ghosted array of the nodes that the rank owns, and their H. names: of
-    what is saved of a node. sources: of data that may depend on time. at_particles: faces at
-    constraints, known once there are particles. added: whether something adds to the rates of nodes
-    within the block, after its sweep. reads_ghosted: whether something but sweeps reads the ghosted
-    array.
-    """
-
-    def __init__(self, layout: BlockLayout, part: Part, order: int) -> None:
-        super().__init__(**vars(part))
-        self.layout, self.problem, self.order = layout, layout.problem, order
-        self.block = block = self.problem.blocks[part.k]
-        self.d = d = block.dimension
-        self.laws = block.material.equations(d, self.problem.symmetry)
-        self.names = fields_of(block.kind, d, self.problem.symmetry)
-        self.X = self.problem.positions(part.k, part.ghosted)
-        self.owned = part.patch.ghosted_rows(np.arange(part.numbers.size))
-        self.H = part.weights(self.owned)
-        self.faces = FaceTerms(self.problem, part, order, self.X)
-        self.terms: tuple[Any, ...] = (self.faces.record,) * bool(self.faces.record)
-        self.reads_ghosted = bool(self.terms)
-        self.sources, self.forcing, self.forced = self.faces.sources, None, any(self.laws.force)
-        if block.forcing is not None:
-            self.forcing = np.zeros((len(names_of(block.kind, "forcing", d)), self.owned.size))
-            given = "forcing", self._forced, self.X[:, self.owned], None
-            self.sources.append(Source(*given, *self.forcing))
-        # what else procedures take
-        reaches, sizes = [band.reach for band in part.bands], part.patch.ghosted
-        self.S, self.weight = np.zeros((3, 1 + max(reaches), max(sizes))), np.zeros((3, max(sizes)))
-        for k, band in enumerate(part.bands):
-            self.S[k, : 1 + band.reach, : sizes[k]], self.weight[k, : sizes[k]] = band
-        self.axes = np.array([reaches, sizes, np.cumprod([1, *sizes[:2]])]).T.copy()
-        self.like, self.per_h = (0.0,) * d, np.array(block.cells, float)
-        self.loses = self.problem.loses(part.k)
-
-    def add_sources(self, add_force: Any, supply: Any) -> None:
-        """Let these functions add a constant force and forcing to rates, if there are any."""
-        self.terms += (add_force,) * self.forced + (supply,) * (self.forcing is not None)
-
-    def _forced(self, x: Any, t: Any) -> Any:
-        """The forcing, of numbers or symbols."""
-        if isinstance(t, Symbol):
-            return numbers_of(self.block.forcing(*x, t), len(self.forcing))
-        return block_values(self.block, "forcing", x, t)
-
-    @property
-    def inner(self) -> list[tuple[int, int]]:
-        """First node and first beyond along each axis of the ghosted array, of the owned nodes to
-        whose rates nothing is added after a sweep: none of them is on a face of the block.
-        """
-        found = []
-        for axis, (first, n) in enumerate(zip(self.patch.first, self.patch.own, strict=True)):
-            begin, end = first, first + (0 if self.added else n)
-            if axis < self.d and not self.block.periodic[axis]:
-                at = self.ghosted[axis][0] + first
-                begin, end = begin + (at == 0), end - (at + n == self.block.shape[axis])
-            found.append((begin, max(begin, end)))
-        return found
-
-    def refresh(self, t: float) -> None:
-        """Data of faces and of the forcing at time t [s]. InputError."""
-        for one in self.sources:
-            one.fill(t)
-        self.faces.check(t)
-
-    def record(self, system: Any, found: Any, begins: Mapping[str, int]) -> Code:
-        """Record the procedures of this part. InputError, perhaps on this rank alone.
-
-        system: of particles; found: see fsipetsc.scheme.plan; begins: name -> where a series
-        begins in the record of a step.
-        """
-        self.columns, self.free = SimpleNamespace(**begins), in_order(self.inner, self.d)
-        text, functions = self._prepare(system)
-        code, self.does = Code(text), dict[str, Procedure]()
-        takes = {"particles": system.record, "gain": found.gain, "found": found}
-        for f in functions:  # they take what their parameters name
-            beside = [takes[p] for p in inspect.signature(f).parameters if p in takes]
-            self.does[f.__name__] = code.procedure(f"part_{f.__name__}", f, self, *beside)
-        return code
-
-    def _prepare(self, system: Any) -> tuple[str, Sequence[Any]]:
-        """Make what procedures take beside; return the text of kernels, and the procedures."""
-        raise NotImplementedError

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.block_part import BlockPart, nodes_of
+from fsipetsc.blockrun.block_part import BlockPart
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Centre
@@ -128,7 +128,7 @@ class GasPart(BlockPart):
         faces = [
             face for face, what in problem.kinds[self.k].items() if not isinstance(what, Centre)
         ]
-        ends = [nodes_of(problem, self, *face) for face in faces]
+        ends = [self.nodes_of(*face) for face in faces]
         none = np.zeros(0, np.int64)
         known = {name: np.concatenate([none, *(end[name] for end in ends)]) for name in names}
         factors = (end["sign"] * end["per_weight"] for end in ends)
@@ -272,7 +272,7 @@ class SolidPart(BlockPart):
         found = np.empty((2 + d * d + around, self.owned.size))
         self.does["stressed"](np.ascontiguousarray(q.T).reshape(-1), found.reshape(-1))
         (T, p), stress, hoops = np.split(found[:, rows], [2, 2 + d * d])
-        return T, p, stress.reshape(d, d, -1) - self.faces.p_ref * np.eye(d)[..., None], hoops
+        return T, p, stress.reshape(d, d, -1) - self.p_ref * np.eye(d)[..., None], hoops
 
     def fields(self, q: Array, rows: slice = slice(None)) -> Array:
         """(…, …) what is saved of these rows of the owned nodes: v, T, Cauchy stress, x; in one
