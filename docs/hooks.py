@@ -123,10 +123,9 @@ def options_page() -> str:
         case = load_case(name)
         add_own(name, case.SUMMARY, case.OPTIONS)
     for name, command in COMMANDS.items():
-        if not command.by_one and name != "compile":
-            sections = command.find("SECTIONS") or command.find("sections")(name, [])
-            found = (of for title, of in sections.items() if not title.startswith("Case "))
-            add_own(name, command.summary, (option for of in found for option in of))
+        every = {} if command.by_one else command.find("SECTIONS") or {"": command.find("OPTIONS")}
+        if found := [option for of in every.values() for option in of or ()]:
+            add_own(name, command.summary, found)
     return "\n\n".join(parts) + "\n"
 
 

@@ -24,7 +24,8 @@ class Command(NamedTuple):
 
     By one process: a function of the files and, where there are any, the options as given, which
     returns what is printed. Else by all ranks: a function of the arguments and the communicator;
-    SECTIONS, or sections(command, arguments), of the module are the options that -help lists.
+    SECTIONS of the module, heading -> options, are those that -help lists, OPTIONS those beside the
+    options of a case.
     """
 
     arguments: str
@@ -56,7 +57,7 @@ COMMANDS = {
     "compile": Command("CASE [-option value ...]",
         "compile the kernels that a case needs, and do nothing else",
         "stepping.before_a_run"),
-    "geometry": Command("CASE [-option value ...] [-o FILE]",
+    "geometry": Command("CASE [-option value ...]",
         "print and draw blocks, faces, conditions and spacing of a case, and do nothing else",
         "stepping.before_a_run"),
     "convergence": Command("CASE [-option value ...]",
@@ -140,7 +141,10 @@ def _answer(first: str, rest: list[str]) -> None:
     elif (command := COMMANDS[first]).by_one:
         print(f"{PROGRAM} {first} {command.arguments}\n\n  {command.summary}")
     else:
-        sections = command.find("SECTIONS") or command.find("sections")(first, rest)
+        sections, own = command.find("SECTIONS"), command.find("OPTIONS") or ()
+        if sections is None:
+            named = bool(rest) and not is_option(rest[0])
+            sections = groups(load_case(rest[0]), own) if named else {"This command": own}
         about = f"{first}: {command.summary}", f"{first} {command.arguments}"
         print(_options_help(*about, sections))
 
@@ -188,7 +192,7 @@ def _overview() -> str:
 def _options_help(title: str, usage: str, options: Mapping[str, Sequence[Option]]) -> str:
     """List every option with type, default, unit and meaning; options: heading -> options."""
     head = f"{title}\n\n  [mpiexec -n N] {PROGRAM} {usage}"
-    sections = {heading: dict(map(_row, found)) for heading, found in options.items()}
+    sections = {heading: dict(map(_row, found)) for heading, found in options.items() if found}
     sections["More of PETSc"] = {f"-{name}": what for name, what in PASSED_ON.items()}
     notes = (
         "An option is written -name value; above its type and default follow its name. If one is "

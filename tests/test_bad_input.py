@@ -58,7 +58,6 @@ LINES = [
     ("new rod.py", 2, "'rod.py' is no name of a case file"),
     ("new run.h5", 2, "expected one that ends in .py"),
     ("new two.py -blocks -water", 2, "-blocks and -water are given: expected one of them"),
-    ("geometry rod -o rod.txt", 2, "bad value 'rod.txt' for -o: expected a name with .png or"),
     ("info no.h5", 4, "no.h5: there is no such file"),
     ("plot text.h5", 4, "text.h5: the file is damaged, or none of fsipetsc"),
     ("diff a.checkpoint.h5 no.h5", 4, "a.checkpoint.h5: is not a result of fsipetsc"),

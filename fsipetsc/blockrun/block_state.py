@@ -99,10 +99,10 @@ class BlockState(State):
         for gas in self._gases:
             gas.follow(particles, self.particles)
         self._compile(gain, max(1.0, form.shock * PACE_AT_SHOCKS[order]), announce)
-        nodes = ((number, node) for number, node in enumerate(recorded) if node.block in self.parts)
         self._noted = [
             (number, node, row)
-            for number, node in nodes
+            for number, node in enumerate(recorded)
+            if node.block in self.parts
             for row in self.parts[node.block].rows_among(np.array([node.node])).tolist()
         ]
 

@@ -82,17 +82,6 @@ def case_after(command: str, arguments: Sequence[str]) -> Any:
     return load_case(arguments[0])
 
 
-def options_after(
-    command: str, arguments: Sequence[str], extra: Sequence[Option] = ()
-) -> dict[str, tuple[Option, ...]]:
-    """Heading -> options that -help lists of a command with a case: of the case, if one is named;
-    extra: those of the command.
-    """
-    if arguments and not is_option(arguments[0]):
-        return groups(case_after(command, arguments), extra)
-    return {"This command": tuple(extra)} if extra else {}
-
-
 def case_of(problem: Any, **defaults: Any) -> SimpleNamespace:
     """A case that is one problem; defaults: as in a case's DEFAULTS."""
     about = {"NAME": "problem", "SUMMARY": "", "OPTIONS": (), "DEFAULTS": defaults}

@@ -6,25 +6,19 @@ whose compute nodes have no compiler.
 
 import re
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 from fsipetsc import cases
 from fsipetsc.blocks.block_problem import BlockProblem
-from fsipetsc.cases import case_after, options_after
+from fsipetsc.cases import case_after
 from fsipetsc.errors import FileError, InputError
-from fsipetsc.options import PROGRAM, Option, read_options
+from fsipetsc.options import PROGRAM, read_options
 from fsipetsc.output.geometry_picture import draw_geometry, geometry_rows
 from fsipetsc.output.info import table
-from fsipetsc.output.page import PICTURES
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.program import say
 from fsipetsc.process.together import Comm, together
-
-_OF_GEOMETRY = (
-    Option("o", str, None, "", "file of the picture; CASE-geometry.png if not given",
-        check=lambda name: name.endswith(PICTURES) or f"a name with {' or '.join(PICTURES)}"),
-)  # fmt: skip
 
 
 def new(name: str, given: Mapping[str, str]) -> str:
@@ -53,11 +47,6 @@ def new(name: str, given: Mapping[str, str]) -> str:
     return f"wrote {path}; it runs as it is:  {PROGRAM} {shlex.quote(str(path))}"
 
 
-def sections(command: str, arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
-    """Return heading -> options for -help."""
-    return options_after(command, arguments, _OF_GEOMETRY if command == "geometry" else ())
-
-
 def compile(arguments: list[str], comm: Comm) -> None:
     case = together(comm, lambda: case_after("compile", arguments))
     options = read_options(case, start_petsc(arguments[1:], comm))
@@ -71,7 +60,7 @@ def compile(arguments: list[str], comm: Comm) -> None:
 
 def geometry(arguments: list[str], comm: Comm) -> None:
     case = together(comm, lambda: case_after("geometry", arguments))
-    opt = read_options(case, start_petsc(arguments[1:], comm), _OF_GEOMETRY)
+    opt = read_options(case, start_petsc(arguments[1:], comm))
     from fsipetsc.stepping.run import build_problem
 
     problem = build_problem(case, opt, comm)
@@ -81,7 +70,7 @@ def geometry(arguments: list[str], comm: Comm) -> None:
         raise InputError(f"geometry: {said}")
 
     def show() -> None:
-        d, target = problem.dimension, Path(opt["o"] or f"{case.NAME}-geometry.png")
+        d, target = problem.dimension, Path(f"{case.NAME}-geometry.png")
         axes = [*"XYZ"[: d - 1], "r" if problem.symmetry else "XYZ"[d - 1]]
         labels = [f"{x} [m]" if problem.unit("m") else x for x in axes]
         rows = geometry_rows(problem)

@@ -10,7 +10,6 @@ from math import isqrt
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
 
 from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blockrun.parts import SolidPart
@@ -25,8 +24,6 @@ Array = np.ndarray
 #: Courant number beyond which steps are said to be long: the classical method, on a periodic grid,
 #: is unstable beyond 1.6 to 2.8 (orders 8 to 2)
 FAR = 1.5
-#: part of its volume by which a gas may begin with more or less of it than its map says
-STRETCHED = 0.01
 #: part of the larger modulus K = rho dp/drho, p of a perfect gas, by which the pressures of
 #: neighbouring nodes may differ
 STEEP = 0.2
@@ -50,7 +47,7 @@ def first_notes(state: State, opt: Mapping[str, Any]) -> list[str]:
     by_node = [f"the force on '{gas.name}' is added node by node: {rest}" for gas in state.loose]
     found = [*state.problem.notes, *by_node]
     if isinstance(state, BlockState):
-        found += [*asked_data(state), *heat_that_stays(state), *stretched_gases(state)]
+        found += [*asked_data(state), *heat_that_stays(state)]
     return [f"note: {text}" for text in (*found, *long_steps(state, opt))]
 
 
@@ -73,22 +70,6 @@ def heat_that_stays(state: BlockState) -> list[str]:
                 "only its nodes at the face have that temperature, so results depend on the grid"
             )
     return sorted(found)
-
-
-def stretched_gases(state: BlockState) -> list[str]:
-    """Gases whose grids follow solids that do not begin where the gases end."""
-    blocks, volumes = state.problem.blocks, np.zeros((len(state.problem.blocks), 2))
-    for k, part in state.parts.items():
-        if part.block.kind == "fluid" and part.block.exact is None:
-            volumes[k] = part.H @ state.owned(k)[:, 0], part.H @ part.reference
-    state.comm.Allreduce(MPI.IN_PLACE, volumes)
-    return [
-        f"'{block.name}' begins with {100.0 * abs(volume / of_map - 1.0):.3g} % "
-        f"{'more' if volume > of_map else 'less'} volume and mass than its map gives it: the first "
-        "state of a solid beside it is not where it ends"
-        for block, (volume, of_map) in zip(blocks, volumes.tolist(), strict=True)
-        if abs(volume - of_map) > STRETCHED * of_map
-    ]
 
 
 def steep_waves(state: State, opt: Mapping[str, Any]) -> list[str]:

@@ -207,14 +207,12 @@ class Run(Integrator):
         if not self._speaks or now < self._next_line:
             return
         self._next_line = now + self._interval
-        end, most = self.opt["ts_max_time"], self.opt["ts_max_steps"]
-        begin, before, since = self._first
-        made, took = self.steps - before, now - since
-        part = max((self.t - begin) / (end - begin), made / (most - before))
+        end, took = self.opt["ts_max_time"], self.wall_time
+        part = max(self.t / end, self.steps / self.opt["ts_max_steps"])
         bound = f" by {self.bound}" if self.bound else ""
         self.line(
             f"  t = {self.t:.4g} of {end:g}{self.s} ({100 * part:.0f} %), step {self.steps}, "
-            f"dt = {dt:.3g}{self.s}{bound}, {made / took:.3g} steps/s, "
+            f"dt = {dt:.3g}{self.s}{bound}, {self.steps / took:.3g} steps/s, "
             f"{duration(took * (1.0 / part - 1.0))} left"
         )
 
@@ -337,8 +335,7 @@ class Run(Integrator):
             if not self.writer.nframes:  # a file of its own
                 self.frame()
         self._interval = OFTEN if self.opt["fsi_progress"] or sys.stdout.isatty() else USUAL
-        self._first = self.t, self.steps, time.monotonic()
-        self._next_line = self._first[2] + self._interval
+        self._next_line = time.monotonic() + self._interval
 
     def _summary(self, failure: Exception | None) -> dict[str, Any]:
         state, ledgers = self.state, self.ledgers

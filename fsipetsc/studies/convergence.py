@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.cases import case_after, options_after
+from fsipetsc.cases import case_after
 from fsipetsc.checks import counted
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import OPERATORS
@@ -38,7 +38,6 @@ OPTIONS = (
     Option("fsi_orders", "ints", None, "", _ORDERS, check=listed_in((2, 4, 6, 8))),
     Option("fsi_hs", "floats", None, "m", _SPACINGS, check="positive"),
 )
-sections = partial(options_after, extra=OPTIONS)
 
 
 def convergence(arguments: list[str], comm: Comm) -> None:

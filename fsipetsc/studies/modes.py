@@ -12,7 +12,6 @@ for what is proportional to exp(i n phi).
 """
 
 from collections.abc import Iterable
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -22,7 +21,7 @@ from scipy.linalg import orth
 from scipy.optimize import brentq
 from scipy.sparse.linalg import LinearOperator, eigs, splu
 
-from fsipetsc.cases import case_after, options_after
+from fsipetsc.cases import case_after
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option
 from fsipetsc.process.together import Comm, together
@@ -62,7 +61,6 @@ EXACT = (
 )
 #: how far from an exact frequency one of the scheme is taken for it, over its size
 NEAR = 0.03
-sections = partial(options_after, extra=OPTIONS)
 
 
 def modes(arguments: list[str], comm: Comm) -> None:
