@@ -187,7 +187,7 @@ class Problem:
 
     @property
     def invariants(self) -> dict[str, Any]:
-        """What must not change in the paper's method (see fsipetsc.scheme.observables.Drifts): the
+        """What must not change in the paper's method (see fsipetsc.scheme.observables.drifts): the
         masses, (name, numbers among the gases), of layers that nothing enters or leaves.
         """
         gases = [k for k, v in enumerate(self.layers) if v.kind == "fluid" and not self._forced]

@@ -6,7 +6,7 @@ from helpers import computed, solve, well
 
 import fsipetsc
 from fsipetsc.cases import load_case
-from fsipetsc.scheme.observables import Drifts
+from fsipetsc.scheme.observables import drifts
 
 # the rod: positions and balances, and that nothing grows
 
@@ -118,6 +118,6 @@ def test_box_keeps_all_that_must_not_change(tmp_path):
     result = fsipetsc.open_run(tmp_path / "box.h5")
     series = {name: result.series[name] for name in result.series}
     initial = {key.removeprefix("initial_"): value for key, value in result.summary.items()}
-    found = Drifts(result.header["laws"], initial).go_on(series)
+    found = drifts(result.header["laws"], initial, series)
     assert set(found) == {"mass of 'left'", "mass of 'right'", "momentum along x", "energy"}
     assert np.max([np.abs(drift).max() for drift in found.values()]) < 1e-13

@@ -51,7 +51,7 @@ FORMAT, VERSION = "fsipetsc result", 4
 NAMES = "names"  # attribute of the group of series: their names
 LIBVER = ("v110", "v110")
 _MAGIC = b"fsipetsc checkpoint "
-_CHECKPOINT = 9  # version
+_CHECKPOINT = 10  # version
 _XDMF = b'<Xdmf Version="2.0"><!-- a result of fsipetsc -->'  # what ours begin with
 _HEAD = 512  # bytes: HDF5 looks for its own beginning at this place, too
 

@@ -22,7 +22,7 @@ from fsipetsc.output.file_layout import columns_of, writing
 from fsipetsc.output.info import info
 from fsipetsc.output.quantities import chosen, there, unit_of, written
 from fsipetsc.output.reader import Run, open_run
-from fsipetsc.scheme.observables import PLACE, SERIES, Drifts
+from fsipetsc.scheme.observables import PLACE, SERIES, drifts
 
 WIDTH = 10.8  # inches, of a figure
 PANELS, MAPS = 2.8, 4.4  # inches, heights of a row of curves, of maps over x and t
@@ -172,11 +172,10 @@ def all_panels(run: Run) -> dict[str, list[Panel]]:
     t = run.series.get("t", np.empty(0))
     if len(t) < 2:
         return found
-    laws, prefix = run.header.get("laws"), "initial_"
+    laws, prefix = run.header.get("laws", {}), "initial_"
     initial = {k.removeprefix(prefix): v for k, v in run.summary.items() if k.startswith(prefix)}
-    if laws and initial and t[0] < 1.5 * run.series["dt"][0]:  # it does not begin at a restart
-        if departed := Drifts(laws, initial).go_on(run.series):
-            found["ledgers"].append(Panel(DEPARTURE, "", t, departed, logarithmic=True))
+    if initial and (departed := drifts(laws, initial, run.series)):
+        found["ledgers"].append(Panel(DEPARTURE, "", t, departed, logarithmic=True))
     for name, one in SERIES.items():
         if one.label and name in run.series:
             axis = name.removesuffix("_point")[-1]

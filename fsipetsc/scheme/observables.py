@@ -103,58 +103,44 @@ def of_blocks(has: Collection[str], d: int) -> Iterator[str]:
             yield from one.names(d)
 
 
-class Drifts:
-    """Relative drifts of the invariants that must hold, piece by piece of the series: ``memory``
-    has the sums of what has gone before.
+@np.errstate(all="ignore")  # a drift that is no number says so itself
+def drifts(
+    held: Mapping[str, Any], first: Mapping[str, Any], series: Mapping[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """Relative drifts of the invariants that must hold, after each step: name -> (steps,).
 
     On blocks these are masses, all components of momentum, and energy, less all that comes in
     through faces and by body forces; the entropy of gases where nothing comes in and solids take no
     heat from them. Of the paper's method the mass of a gas layer behind a wall is held.
 
-    invariants: which ones must hold (fsipetsc.blocks.block_problem.BlockProblem.invariants).
-    initial: the integrals at t = 0. memory: of the steps before the first one. Entropy counts only
-    where it decreases. Momentum is relative to the impulse that has passed, of either sign, energy
-    to itself, entropy to itself or to the heat capacity, whatever is more.
+    held: which ones must hold (fsipetsc.blocks.block_problem.BlockProblem.invariants). first: the
+    integrals before the first step of the series. Entropy counts only where it decreases. Momentum
+    is relative to the impulse that has passed, of either sign, energy to itself, entropy to itself
+    or to the heat capacity, whatever is more.
     """
-
-    def __init__(self, invariants: Any, initial: Any, memory: Any = None) -> None:
-        self._invariants, self._initial, self.memory = invariants, initial, dict(memory or {})
-        mass = invariants.get("inertia", 0.0) + sum(np.asarray(initial.get("mass", ())).tolist())
-        self._momentum_of_all = np.sqrt(max(initial.get("energy", 0.0), 0.0) * mass)
-
-    @np.errstate(all="ignore")  # a drift that is no number says so itself
-    def go_on(self, series: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """The drifts in the next steps, all columns of the series in them: name -> (steps,)."""
-        found: dict[str, np.ndarray] = {}
-        held, first = self._invariants, self._initial
-        if not held or not len(series["dt"]):
-            return found
-        for name, columns in held["masses"]:  # several of blocks of gas that are joined
-            mass, came = series["mass"][:, columns].sum(axis=1), 0.0
-            if "mass_in" in series:
-                came = self._sum(f"into '{name}'", series["mass_in"][:, columns].sum(axis=1))
-            before = sum(first["mass"][column] for column in columns)
-            found[f"mass of '{name}'"] = (mass - came) / before - 1
-        for axis in held.get("momentum", ""):
-            name, given = f"momentum_{axis}", series[f"impulse_{axis}"]
-            passed = self._sum(f"{name}, given and taken", np.abs(given))
-            least = max(abs(first[name]), LEAST_COMPONENT * self._momentum_of_all, TINY)
-            change = series[name] - first[name] - self._sum(name, given)
-            found[f"momentum along {axis}"] = change / np.maximum(passed, least)
-        if held["energy"]:
-            came = self._sum("energy", series["energy_in"]) if "energy_in" in series else 0.0
-            found["energy"] = (series["energy"] - came) / first["energy"] - 1
-        if held.get("entropy"):
-            produced = series["entropy"] - first["entropy"]
-            before = self.memory.get("entropy produced", 0.0)
-            most = np.maximum.accumulate(np.concatenate([[before], produced]))[1:]
-            self.memory["entropy produced"] = float(most[-1])
-            scale = max(abs(first["entropy"]), held["heat_capacity"], TINY)
-            found["entropy"] = (most - produced) / scale
+    found: dict[str, np.ndarray] = {}
+    if not held or not len(series.get("dt", ())):
         return found
-
-    def _sum(self, name: str, parts: np.ndarray) -> np.ndarray:
-        """Sum from t = 0 to the end of each step of what belongs to a step."""
-        sums = np.cumsum(np.concatenate([[self.memory.get(name, 0.0)], parts]))[1:]
-        self.memory[name] = float(sums[-1])
-        return sums
+    for name, columns in held["masses"]:  # several of blocks of gas that are joined
+        mass, came = series["mass"][:, columns].sum(axis=1), 0.0
+        if "mass_in" in series:
+            came = np.cumsum(series["mass_in"][:, columns].sum(axis=1))
+        before = sum(first["mass"][column] for column in columns)
+        found[f"mass of '{name}'"] = (mass - came) / before - 1
+    mass_of_all = held.get("inertia", 0.0) + sum(np.asarray(first.get("mass", ())).tolist())
+    momentum_of_all = np.sqrt(max(first.get("energy", 0.0), 0.0) * mass_of_all)
+    for axis in held.get("momentum", ""):
+        name, given = f"momentum_{axis}", series[f"impulse_{axis}"]
+        passed, came = np.cumsum(np.abs(given)), np.cumsum(given)
+        least = max(abs(first[name]), LEAST_COMPONENT * momentum_of_all, TINY)
+        change = series[name] - first[name] - came
+        found[f"momentum along {axis}"] = change / np.maximum(passed, least)
+    if held["energy"]:
+        came = np.cumsum(series["energy_in"]) if "energy_in" in series else 0.0
+        found["energy"] = (series["energy"] - came) / first["energy"] - 1
+    if held.get("entropy"):
+        produced = series["entropy"] - first["entropy"]
+        most = np.maximum(np.maximum.accumulate(produced), 0.0)
+        scale = max(abs(first["entropy"]), held["heat_capacity"], TINY)
+        found["entropy"] = (most - produced) / scale
+    return found

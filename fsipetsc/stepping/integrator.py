@@ -15,7 +15,7 @@ from fsipetsc.scheme import plan
 from fsipetsc.scheme.observables import INTEGRAL, SERIES
 from fsipetsc.scheme.plan import STAGES
 from fsipetsc.state import FAULT, State
-from fsipetsc.stepping.notes import Ledgers, check
+from fsipetsc.stepping.notes import check
 
 #: what a rank says of STOP that wants a checkpoint, below the numbers of signals. What ranks say
 #: goes round after a step anyway and the largest word counts, so a signal may come to any rank
@@ -25,7 +25,7 @@ MOST_POINTS = {1: 250_000, 2: 2_000_000, 3: 2_000_000}
 #: most steps in a batch; between batches signals are answered and progress is shown
 MOST_STEPS = 64
 #: what a checkpoint keeps as it is
-KEPT = "steps", "rejected", "t", "wall_time", "initial", "saved_at"
+KEPT = "steps", "rejected", "t", "wall_time", "initial", "reached", "saved_at"
 
 
 def saved_times(opt: Mapping[str, Any], unit: str = " s") -> list[float]:
@@ -47,9 +47,9 @@ class Integrator:
     """Integrates a state in time; all methods are collective.
 
     opt: options in force. steps, t, wall_time [s] of the loop: reached so far; rejected: steps that
-    were tried again; saved_at: time of the last frame. initial: integrals at t = 0. signal: the
-    last one that came to this rank, or 0; stop_signal: that which has ended the run. ledgers: of
-    the steps that were taken, on rank 0.
+    were tried again; saved_at: time of the last frame. initial: integrals before the first step of
+    the result; reached: on rank 0, those after the last step that was taken. signal: the last one
+    that came to this rank, or 0; stop_signal: that which has ended the run.
     """
 
     def __init__(self, state: State, opt: Mapping[str, Any]) -> None:
@@ -66,8 +66,7 @@ class Integrator:
         if self._fused and not state.asks and not self._watched:
             most = MOST_POINTS[state.problem.dimension] // state.points
             self.batch_limit = max(1, min(MOST_STEPS, most))
-        self.initial: dict[str, Any] = {}
-        self.ledgers = Ledgers({}, {})
+        self.initial, self.reached = dict[str, Any](), dict[str, Any]()
 
     @property
     def complete(self) -> bool:
@@ -93,26 +92,24 @@ class Integrator:
         for name in state.latest.dtype.names:
             if SERIES[name].kind == INTEGRAL:
                 self.initial[name] = state.comm.allreduce(state.latest[name]).tolist()
-        self.ledgers = Ledgers(state.invariants, self.initial)
         self._pass()
 
     def memory(self) -> dict[str, Any]:
         """Return what ``resume`` needs beside the state; as JSON holds it."""
         kept = {name: getattr(self, name) for name in KEPT}
-        return {**kept, "evaluations": self.state.evaluations, "ledgers": self.ledgers.kept}
+        return {**kept, "evaluations": self.state.evaluations}
 
     def resume(self, memory: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
         """Be where ``memory`` and ``state.capture()`` told of. InputError if it does not fit."""
         for name in KEPT:
             setattr(self, name, memory[name])
         self.state.evaluations = memory["evaluations"]
-        self.ledgers = Ledgers(self.state.invariants, self.initial, memory["ledgers"])
         self.state.restore(arrays, self.t)
         self._pass()
 
     def take_series(self) -> np.ndarray:
         """Return the records of steps since the last time, on rank 0 with sums over ranks; not
-        copied: the next steps overwrite them. The ledgers learn of them.
+        copied: the next steps overwrite them.
         """
         comm, steps, self._recorded = self.comm, self.state.journal[: self._recorded], 0
         if comm.size > 1 and len(steps):
@@ -124,7 +121,7 @@ class Integrator:
             comm.Reduce(MPI.IN_PLACE if comm.rank == 0 else sums, sums, MPI.SUM, 0)
             own[:] = sums
         if comm.rank == 0 and len(steps):
-            self.ledgers.add(steps)
+            self.reached = {name: steps[name][-1].tolist() for name in self.initial}
         return steps
 
     @property

@@ -1,6 +1,6 @@
 """What is said of a run: notes when it begins and of what is saved; states from which a run cannot
 go on; by how much mass, momentum, energy and entropy have departed from their laws. All functions
-are collective.
+but the last one are collective.
 """
 
 from collections.abc import Collection, Mapping
@@ -16,7 +16,7 @@ from fsipetsc.blockrun.parts import SolidPart
 from fsipetsc.checks import place_text
 from fsipetsc.equations.tensors import determinant
 from fsipetsc.errors import ComputationError, InputError
-from fsipetsc.scheme.observables import Drifts
+from fsipetsc.scheme.observables import drifts
 from fsipetsc.scheme.plan import BAD, OFF_GRID, RATE, TIME, longest_step
 from fsipetsc.state import State
 
@@ -204,45 +204,25 @@ def first_bad(state: State) -> str:
     return min(every, default=("",))[-1]
 
 
-class Ledgers(Drifts):
-    """The largest departures of a problem's invariants, on rank 0, as records of steps come.
-
-    departures: name -> largest relative departure of any step so far. J_error: largest departure
-    of J from the volume of the grid, over it. places: [m] of interfaces in one dimension after the
-    last step. energies: [J] kinetic and elastic energy of solids that all steps have lost; the most
-    that there was of it; the most that there was of all energy. What is no number stays nan.
+def of_laws(
+    series: Mapping[str, Array], laws: Mapping[str, Any], initial: Mapping[str, Any]
+) -> dict[str, Any]:
+    """What the summary says of all steps. departures: name -> largest relative departure from a
+    law; initial: the integrals before the first step. J_error: the largest departure of J from the
+    volume of the grid, over it. lost_energy: the share of their largest kinetic and elastic energy
+    that solids have lost to the steps. What is no number stays nan.
     """
-
-    def __init__(self, invariants: Any, initial: Any, kept: Any = None) -> None:
-        super().__init__(invariants, initial)
-        self.departures, self.J_error, self.places = dict[str, float](), 0.0, list[float]()
-        self.energies = [0.0, *(abs(initial.get(f"{of}energy", 0.0)) for of in ("solid_", ""))]
-        vars(self).update(kept or {})
-
-    @property
-    def kept(self) -> dict[str, Any]:
-        """What goes on from here, as JSON has it."""
-        names = "departures", "J_error", "places", "energies", "memory"
-        return {name: getattr(self, name) for name in names}
-
-    def add(self, steps: np.ndarray) -> None:
-        """Take the records of some more steps, with the sums over all ranks."""
-        names = steps.dtype.names
-        if "x_interface" in names:
-            self.places = steps["x_interface"][-1].tolist()
-        if "J_error" in names:
-            self.J_error = float(np.maximum(self.J_error, steps["J_error"].max()))
-        if "lost_energy" in names:  # step by step: the same sum however steps are cut
-            self.energies[0] = float(np.cumsum([self.energies[0], *steps["lost_energy"]])[-1])
-            for k, name in enumerate(("solid_energy", "energy"), start=1):
-                self.energies[k] = float(np.maximum(self.energies[k], np.abs(steps[name]).max()))
-        for name, drift in self.go_on({name: steps[name] for name in names}).items():
-            # np.maximum: what is no number is larger than all
-            largest = np.maximum(self.departures.get(name, 0.0), np.abs(drift).max())
-            self.departures[name] = float(largest)
-
-    @property
-    def lost(self) -> float:
-        """The share of their largest energy that solids have lost to the steps."""
-        summed, of_solids, of_all = self.energies
-        return summed / of_solids if of_solids > NOTHING * of_all else 0.0
+    found: dict[str, Any] = {
+        "departures": {
+            k: float(np.abs(of).max()) for k, of in drifts(laws, initial, series).items()
+        },
+        "J_error": float(np.max(series.get("J_error", 0.0), initial=0.0)),
+    }
+    if "solid_energy" in initial:
+        of_solids, of_all = (
+            float(np.max(np.abs(series.get(name, 0.0)), initial=abs(initial[name])))
+            for name in ("solid_energy", "energy")
+        )
+        lost = float(np.cumsum(series["lost_energy"])[-1]) if "lost_energy" in series else 0.0
+        found["lost_energy"] = lost / of_solids if of_solids > NOTHING * of_all else 0.0
+    return found

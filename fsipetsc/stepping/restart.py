@@ -13,18 +13,14 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.errors import FileError, InputError
-from fsipetsc.options import OF_A_RUN, PETSC_OPTIONS, groups, read_table
+from fsipetsc.options import CHECKPOINTS, OF_A_RUN, OUTPUT, PETSC_OPTIONS, RUN, groups, read_table
 from fsipetsc.output import file_layout
 from fsipetsc.output.file_layout import beside, check_folder
 from fsipetsc.process.together import together
 from fsipetsc.state import State
 
-FREE = {
-    *(option.name for option in PETSC_OPTIONS),
-    *("fsi_output", "fsi_output_dt", "fsi_output_times", "ts_max_time", "ts_max_steps"),
-    *("fsi_checkpoint", "fsi_checkpoint_steps", "fsi_checkpoint_wall"),
-    *("fsi_partition", "fsi_norm", "fsi_cfl", *OF_A_RUN),
-}
+FREE = {option.name for option in (*PETSC_OPTIONS, *OUTPUT, *CHECKPOINTS, *RUN)}
+FREE = FREE - {"fsi_probes"} | {"fsi_cfl"}
 
 
 class Past(NamedTuple):
@@ -37,29 +33,28 @@ class Past(NamedTuple):
     arrays: dict[str, np.ndarray]
     options: dict[str, Any]
 
-    def check_options(self, opt: Mapping[str, Any], given: Mapping[str, str]) -> None:
-        """InputError for an option that cannot change at a restart."""
-        for name in {name for name in opt if name.lower() in given} - FREE:
-            before = self.options.get(name, opt[name])
-            before = tuple(before) if isinstance(before, list) else before
-            if before != opt[name]:
-                raise InputError(
-                    f"-{name} {given[name.lower()]}: it was {before} when {self.path} was written, "
-                    "and cannot change at a restart; leave it out: what is not given is taken from "
-                    "the checkpoint"
-                )
-
-    def check_problem(self, state: State) -> None:
-        """InputError if the problem, or the record of a step, is not that of the checkpoint."""
-        now, before = facts(state), self.header["facts"]
+    def check(self, now: Mapping[str, str], before: Mapping[str, str]) -> None:
+        """InputError for what must be as it was, and is not."""
         for name in {**now, **before}:
             a, b = (known.get(name, "not there") for known in (now, before))
             if a != b:
-                raise InputError(f"-fsi_restart {self.path}: {name} is {a}, and was {b}")
+                raise InputError(
+                    f"{name} {a}: it was {b} when {self.path} was written, and cannot change at a "
+                    "restart; options that are left out are those of the checkpoint"
+                )
+
+
+def fixed(opt: Mapping[str, Any]) -> dict[str, str]:
+    """The options that must be the same at a restart, as text."""
+    return {
+        f"-{name}": str(list(of) if isinstance(of, tuple) else of)  # lists in a checkpoint
+        for name, of in opt.items()
+        if name not in FREE
+    }
 
 
 def facts(state: State) -> dict[str, str]:
-    """What must be the same at a restart, in words -> as text."""
+    """What else must be the same at a restart, in words -> as text."""
     found = {"the record of a step": str(state.journal.dtype)}
     for layer, shape in zip(state.problem.layers, state.shapes, strict=True):
         known = {"kind": layer.kind, "shape": shape, **vars(layer.material)}

@@ -29,6 +29,7 @@ from fsipetsc.options import read_options
 from fsipetsc.output import file_layout
 from fsipetsc.output.geometry_picture import geometry_rows
 from fsipetsc.output.info import summary_rows, table
+from fsipetsc.output.reader import open_run
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.paper.paper_state import PaperState
 from fsipetsc.problem import Problem, blocks_of_line
@@ -38,7 +39,7 @@ from fsipetsc.scheme.plan import RATE, longest_step
 from fsipetsc.state import State
 from fsipetsc.stepping import restart
 from fsipetsc.stepping.integrator import Integrator
-from fsipetsc.stepping.notes import first_notes, imaginary_waves, long_steps, steep_waves
+from fsipetsc.stepping.notes import first_notes, imaginary_waves, long_steps, of_laws, steep_waves
 from fsipetsc.stepping.restart import Past
 
 PACKAGES = "fsipetsc", "petsc4py", "mpi4py", "numpy"
@@ -103,7 +104,7 @@ def run_given(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> dict[str, 
     past = restart.find_past(case, given, comm)
     options = read_options(case, given, inherited=None if past is None else past.options)
     if past is not None:
-        past.check_options(options, given)
+        past.check(restart.fixed(options), restart.fixed(past.options))
     run_case(case, options, comm, past)
     return options
 
@@ -119,7 +120,7 @@ def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | No
     quiet = comm.rank > 0 or options["fsi_quiet"]
     with make_state(problem, options, comm, (lambda text: None) if quiet else say) as state:
         if past is not None:
-            past.check_problem(state)
+            past.check(restart.facts(state), past.header["facts"])
         state.check_data(options["ts_max_time"])  # before there is a file
         run = Run(case.NAME, options, state, past)
         if options["fsi_check"]:
@@ -333,14 +334,18 @@ class Run(Integrator):
             when = f"step {self.steps}, t = {self.t:.6g}{self.s}"
             self.line(f"goes on from {self.past.path}: {when}")
             if not self.writer.nframes:  # a file of its own
+                self.initial = self.reached
                 self.frame()
         self._interval = OFTEN if self.opt["fsi_progress"] or sys.stdout.isatty() else USUAL
         self._next_line = time.monotonic() + self._interval
 
     def _summary(self, failure: Exception | None) -> dict[str, Any]:
-        state, ledgers = self.state, self.ledgers
+        state, names = self.state, self.problem.interface_names
         status = "failed" if failure else "stopped" if self.stop_signal else "done"
-        message, loses = str(failure or ""), "lost_energy" in state.latest.dtype.names
+        message = str(failure or "")
+        written = self.comm.rank == 0 and self.writer.rows
+        series = together(self.comm, lambda: open_run(self.writer.path).series if written else {})
+        places = series["x_interface"][-1].tolist() if "x_interface" in series else ()
         if status == "done" and not self.complete:
             end = f"-ts_max_time {self.opt['ts_max_time']:g}{self.s}"
             message = f"ended by -ts_max_steps at t = {self.t:g}{self.s}, before {end}"
@@ -351,12 +356,10 @@ class Run(Integrator):
             "steps": self.steps,
             "rejected_steps": self.rejected,
             "rhs_evaluations": state.evaluations,
-            "interfaces": dict(zip(self.problem.interface_names, ledgers.places)),
+            "interfaces": dict(zip(names, places)),
             "points": state.points,
             "wall_time": self.wall_time,
             "bound": self.bound,
-            "departures": ledgers.departures,
-            "J_error": ledgers.J_error,
-            **({"lost_energy": ledgers.lost} if loses else {}),
+            **of_laws(series, state.invariants, self.initial),
             **{f"initial_{name}": value for name, value in self.initial.items()},
         }
