@@ -18,8 +18,8 @@ from fsipetsc.errors import FileError, InputError, call, petsc_words
 
 #: how the program is called, in examples that can be copied
 PROGRAM = "python -m fsipetsc"
+#: default of an option that the case or the user must give
 REQUIRED = ...
-"""Default of an option that the case or the user must give."""
 INT_MAX = 2**31 - 1
 _BOOLS = dict.fromkeys(("", "true", "yes", "1", "on"), True)
 _BOOLS |= dict.fromkeys(("false", "no", "0", "off"), False)
@@ -128,8 +128,7 @@ DISCRETISATION = (
     Option("fsi_order", int, 4, "", "interior order of the SBP operators", (2, 4, 6, 8)),
     Option("fsi_h", float, REQUIRED, "m",
         "grid spacing; interfaces and ends of panels must fall on grid points", check="positive"),
-    Option("fsi_cfl", float, 0.8, "", "Courant number of the time step; -ts_dt replaces it",
-        check="positive"),
+    Option("fsi_cfl", float, 0.8, "", "Courant number; -ts_dt replaces it", check="positive"),
     Option("fsi_coupling", str, "conservative", "",
         "coupling of gas and solid; all but conservative: the paper's method, in 1-D",
         ("projection", "energy", "traditional", "conservative")),
@@ -146,28 +145,23 @@ DISCRETISATION = (
     Option("fsi_dissipation", float, 0.0, "",
         "dissipation, times its usual size; 0: 1 where blocks are joined, else none; -1: none",
         check=lambda size: -1 <= size <= 3 or "a number from -1 to 3"),
-    Option("fsi_shock", float, 0.0, "",
-        "dissipation where a sensor sees a shock, times its usual size; 0: none",
+    Option("fsi_shock", float, 0.0, "", "the same where a sensor sees a shock; 0: none",
         check="nonnegative"),
 )  # fmt: skip
 OUTPUT = (
     Option("fsi_output", str, None, "",
         "result file (HDF5); an earlier result is never destroyed silently",
         check=lambda name: bool(Path(name).name) or "the name of a file"),
-    Option("fsi_output_dt", float, None, "s", "interval at which profiles are saved",
-        check="positive"),
-    Option("fsi_output_times", "floats", None, "s", "times at which profiles are saved: t0,t1,…",
-        check=_increasing),
+    Option("fsi_output_dt", float, None, "s", "interval of saved profiles", check="positive"),
+    Option("fsi_output_times", "floats", None, "s", "times of saved profiles", check=_increasing),
     Option("fsi_probes", str, None, "m",
         "of blocks: places whose nearest nodes are recorded at each step: X,Y;X,Y;…"),
 )  # fmt: skip
 CHECKPOINTS = (
     Option("fsi_checkpoint", str, None, "",
         "file of checkpoints; NAME.checkpoint.h5 beside the result NAME.h5 if not given"),
-    Option("fsi_checkpoint_steps", int, None, "steps", "steps from one checkpoint to the next",
-        check="positive"),
-    Option("fsi_checkpoint_wall", float, None, "s", "wall time from one checkpoint to the next",
-        check="positive"),
+    Option("fsi_checkpoint_steps", int, None, "", "steps between checkpoints", check="positive"),
+    Option("fsi_checkpoint_wall", float, None, "s", "wall time between them", check="positive"),
     Option("fsi_restart", str, None, "",
         "go on from a checkpoint; auto: from the run's own, if there is one"),
 )  # fmt: skip
@@ -178,8 +172,7 @@ RUN = (
     Option("fsi_norm", str, "L2", "",
         "norm of the errors against an exact solution; L1 where it jumps", ("L1", "L2")),
     Option("fsi_quiet", bool, False, "", "print nothing but errors"),
-    Option("fsi_progress", bool, False, "",
-        "print progress every 5 s, not 30 s, if the output is not a terminal"),
+    Option("fsi_progress", bool, False, "", "print progress every 5 s, as on a terminal"),
     Option("fsi_debug", bool, False, "", "keep the C text of the kernels, and print where it is"),
 )  # fmt: skip
 #: those that belong to one run of the program, not to what is computed: no checkpoint has them
@@ -189,10 +182,8 @@ COMMON: tuple[Option, ...] = DISCRETISATION + OUTPUT + CHECKPOINTS + RUN
 #: PETSc's options for which this program has defaults of its own, or which it must know
 PETSC_OPTIONS: tuple[Option, ...] = (
     Option("ts_max_time", float, REQUIRED, "s", "time at which the run ends", check="nonnegative"),
-    Option("ts_max_steps", int, INT_MAX, "", "number of steps after which the run ends",
-        check="nonnegative"),
-    Option("ts_dt", float, None, "s",
-        "fixed time step, instead of -fsi_cfl; -ts_time_step is the same", check="positive"),
+    Option("ts_max_steps", int, INT_MAX, "", "steps until the run ends", check="nonnegative"),
+    Option("ts_dt", float, None, "s", "fixed time step, as -ts_time_step", check="positive"),
     Option("ts_type", str, "fused", "", "time integrator; fused: rk of type 4 in one piece",
         ("fused", "rk", "ssp", "euler")),
     Option("ts_rk_type", str, "4", "", "Runge–Kutta method",
