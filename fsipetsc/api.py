@@ -42,7 +42,11 @@ def run(case: Any, *, comm: Comm | None = None, **options: Any) -> Run:
     with left_as_found():
         notes = comm.Dup()
         try:
-            path = _solve(case, comm, options)
+            from fsipetsc.stepping.run import run_given
+
+            loaded = together(comm, lambda: _case(case))
+            given = start_petsc(together(comm, lambda: [*_words(loaded, options)]), comm)
+            path = os.path.abspath(str(run_given(loaded, given, comm)["fsi_output"]))
         except BaseException as error:
             if comm.size > 1 and not getattr(error, "collective", False):
                 end_together(error, notes)  # perhaps of this rank alone: nobody may wait for it
@@ -50,15 +54,6 @@ def run(case: Any, *, comm: Comm | None = None, **options: Any) -> Run:
         finally:
             notes.Free()
     return open_run(path)
-
-
-def _solve(case: Any, comm: Comm, options: Mapping[str, Any]) -> str:
-    """Make the run; returns the path of its result."""
-    from fsipetsc.stepping.run import run_given
-
-    loaded = together(comm, lambda: _case(case))
-    given = start_petsc(together(comm, lambda: [*_words(loaded, options)]), comm)
-    return os.path.abspath(str(run_given(loaded, given, comm)["fsi_output"]))
 
 
 def _case(case: Any) -> Any:

@@ -125,8 +125,8 @@ def names_of(kind: str, what: str, d: int) -> tuple[str, ...]:
 
 
 def block_values(block: Any, what: str, X: Array, t: float) -> list[Array]:
-    """Values of initial, exact or forcing of a block or a layer at places X (d, n) at time t [s],
-    (n,) each; rho and T must be above 0. InputError, perhaps on this rank alone.
+    """What a function of a block returns at X (d, n) and t [s], (n,) each; rho, T above 0.
+    InputError, perhaps on this rank alone.
     """
     first = what in ("initial", "prestress")
     where = f"{what} of {block}" + ("" if first else f" at t = {t:.6g}")
@@ -138,9 +138,7 @@ def block_values(block: Any, what: str, X: Array, t: float) -> list[Array]:
 def datum(
     condition: Any, name: str, X: Array, t: float, names: Sequence[str] | None = None
 ) -> Array:
-    """A datum of a condition, a number or a function of (*X, t), at X (n, d): (n,), or (n,
-    len(names)) of a function that returns several values. InputError.
-    """
+    """A datum of a condition at X (n, d): (n,), or (n, len(names)) of several. InputError."""
     of = getattr(condition, name)
     if not callable(of):
         return np.broadcast_to(np.asarray(of, float), (len(X), *np.shape(of)))

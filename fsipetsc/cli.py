@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from fsipetsc import __version__
-from fsipetsc.cases import load_case, summaries
+from fsipetsc.cases import BUILT_IN, load_case
 from fsipetsc.errors import InputError
 from fsipetsc.options import INT_MAX, PASSED_ON, PROGRAM, REQUIRED, Option, groups, is_option
 from fsipetsc.process.launch import left_as_found, start_mpi, start_petsc
@@ -176,13 +176,14 @@ def _given(command: str, arguments: list[str]) -> list[Any]:
 
 def _overview() -> str:
     """Return the short usage: how the program is called, cases and commands, a line each."""
+    cases = {name: load_case(name).SUMMARY for name in BUILT_IN}
     sections = {
         f"Usage: {PROGRAM} ...": {
             "CASE [-option value ...]": "run a case; in parallel with mpiexec -n N before it",
             "CASE -help": "all options of a case, with defaults and units",
             "COMMAND ...": "run a command, see below",
         },
-        "Cases": {**summaries(), "FILE.py": "a case of your own, from a file"},
+        "Cases": {**cases, "FILE.py": "a case of your own, from a file"},
         "Commands": {f"{name} {of.arguments}": of.summary for name, of in COMMANDS.items()},
     }
     title = "fsipetsc: compressible gas and elastic solids, coupled, with PETSc"

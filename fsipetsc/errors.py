@@ -83,9 +83,7 @@ def clear_frames(error: BaseException | None) -> None:
 
 
 def call(function: Callable[..., Any], arguments: tuple[Any, ...], where: str) -> Any:
-    """function(*arguments), a user's. InputError with file, line and ``where`` for whatever it
-    raises, perhaps on this rank alone.
-    """
+    """function(*arguments) of a user; whatever it raises becomes an InputError with its place."""
     try:
         return function(*arguments)
     except (KeyboardInterrupt, MemoryError):

@@ -217,10 +217,8 @@ IN_LOOP, AT_START = ("ts_monitor", "ts_view"), tuple(PASSED_ON)[4:]
 def groups(
     case: Any, extra: Sequence[Option] = (), inherited: Mapping[str, Any] | None = None
 ) -> dict[str, tuple[Option, ...]]:
-    """Return heading -> options of a case, their defaults those in force for it.
-
-    extra: options of a command. inherited: values of a checkpoint, which stand for the defaults.
-    InputError if the case's OPTIONS or DEFAULTS do not fit.
+    """Heading -> options of a case, their defaults those in force; extra: those of a command;
+    inherited: values of a checkpoint. InputError if the case's OPTIONS or DEFAULTS do not fit.
     """
     sections = {
         f"Case {case.NAME}": tuple(case.OPTIONS),
@@ -262,9 +260,8 @@ def is_option(word: str) -> bool:
 
 
 def given_options(words: Sequence[str]) -> dict[str, str]:
-    """Return name in lower case, as the tables have it, -> text of the options that were given, ""
-    without a value. PETSc, which runs, reads PETSC_OPTIONS, the words of the command line, and the
-    files that these name; its database is empty afterwards. InputError, FileError.
+    """Name in lower case -> text of the options given, as PETSc reads PETSC_OPTIONS, these words,
+    and the files that they name; its database is empty afterwards. InputError, FileError.
     """
     from petsc4py import PETSc
 
@@ -312,9 +309,7 @@ def read_options(
     extra: Sequence[Option] = (),
     inherited: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
-    """Return name -> typed value of every option in force; PETSc, which runs, gets its own. given:
-    see ``given_options``; the others: see ``groups``. InputError.
-    """
+    """Name -> typed value of every option in force; PETSc gets its own of them. InputError."""
     from petsc4py import PETSc
 
     values = read_table(groups(case, extra, inherited), given)

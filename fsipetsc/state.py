@@ -101,9 +101,7 @@ class State:
         self._kept = [array.copy() for array in self.changing]
 
     def step(self) -> None:
-        """Make the step that is planned from the completed solution, by the classical Runge-Kutta
-        method, and the others of its batch, which are one call of C.
-        """
+        """Make the planned step from the completed solution, and the others of its batch, in C."""
         self.keep()
         if self.asks:
             self._advance()
@@ -125,9 +123,7 @@ class State:
         self.evaluations += STAGES * parts
 
     def _advance(self, look: Any = None, ends: bool = True) -> Any:
-        """Make a step; it ends where look(), called with each new stage shown, finds something.
-        ends: complete the solution after it.
-        """
+        """Make a step, until look() finds something in a stage; ends: complete the solution."""
         t, dt = self.batch[[plan.TIME, plan.DT]].tolist()
         for n, part in enumerate(FRACTIONS):
             self.set_data(t + part * dt)
@@ -162,9 +158,7 @@ class State:
                 return None
 
     def _lay_journal(self, record: np.dtype, more: int = 0) -> np.ndarray:
-        """Make batch, journal, results and latest. Returns the numbers of results, so many
-        ``more``, and those of latest.
-        """
+        """Make batch, journal, results, latest; return numbers of results, ``more``, latest."""
         rows, self.batch = np.zeros((plan.CAPACITY, record.itemsize // 8)), np.zeros(plan.BATCH)
         numbers = np.zeros(plan.RESULTS + more + rows.shape[1] - 2)
         self.results, self.latest_numbers = numbers[: plan.RESULTS], numbers[plan.RESULTS + more :]
@@ -190,10 +184,8 @@ class State:
 
     def errors(self, t: float, norm: str = "L2") -> dict[str, dict[str, float]] | None:
         """Errors at time t [s]: kind of layer -> name -> (sum w |difference|^p)^(1/p), and
-        "combined"; of all layers of a kind.
-
-        norm: "L1" or "L2", p = 1 or 2. None without an exact solution. Collective; InputError if
-        it cannot be had.
+        "combined"; p = 1 or 2 for the norm "L1" or "L2". None without an exact solution.
+        Collective; InputError.
         """
         layers, power = self.problem.layers, {"L1": 1, "L2": 2}[norm]
         if any(layer.exact is None for layer in layers):
@@ -215,9 +207,7 @@ class State:
         return found
 
     def capture(self) -> dict[str, Any] | None:
-        """What a step depends on, on rank 0: whole layers, (points, unknowns), so that it does not
-        depend on who had what, and the results of the last step.
-        """
+        """What a step depends on, on rank 0: whole layers, (points, unknowns), and results."""
         layers = range(len(self.shapes))
         found = {f"layer{k}": whole(self.comm, self.numbers(k), self.owned(k)) for k in layers}
         found |= {**self.more(), "results": self.results, "latest": self.latest_numbers}

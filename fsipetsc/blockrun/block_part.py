@@ -177,9 +177,7 @@ class BlockPart(Part):
         return tuple(traction), heat
 
     def _turned(self, axis: int, side: int, nodes: slice) -> Any:
-        """A face of a solid in three dimensions, of which this rank may have no nodes, and its
-        cube.
-        """
+        """A face of a solid in three dimensions, perhaps without nodes here, and its cube."""
         shape, ghosted = self.block.shape, self.ghosted
         sizes = zip(ghosted, self.patch.first, self.patch.own, strict=True)
         where = [(begin + first, begin + first + own) for (begin, _), first, own in sizes]
@@ -198,9 +196,7 @@ class BlockPart(Part):
         return kept, SimpleNamespace(**of_cube, **of_face, sign=1.0 if side else -1.0)
 
     def refresh(self, t: float) -> None:
-        """Data of faces and of the forcing at time t [s]. InputError, also where a slip length is
-        shorter than a cell, which no step resolves.
-        """
+        """Data of faces and forcing at t [s]. InputError, also for slip lengths below a cell."""
         for one in self.sources:
             one.fill(t)
         for X, at, spacing in self._slips:
@@ -214,9 +210,7 @@ class BlockPart(Part):
 
     @property
     def inner(self) -> list[tuple[int, int]]:
-        """First node and first beyond along each axis of the ghosted array, of the owned nodes to
-        whose rates nothing is added after a sweep: none of them is on a face of the block.
-        """
+        """(first, first beyond), along each ghosted axis, of owned nodes that sweeps complete."""
         found = []
         for axis, (first, n) in enumerate(zip(self.patch.first, self.patch.own, strict=True)):
             begin, end = first, first + (0 if self.added else n)
@@ -253,9 +247,7 @@ def _left_out(problem: Any, k: int) -> float:
 
 
 def _column(condition: Condition, names: Sequence[str], less: float, x: Any, t: Any) -> Any:
-    """The data of a condition, side by side if there are several, less a number; of symbols what
-    must be above 0 and is not is no number.
-    """
+    """The data of a condition, side by side if there are several, less a number."""
     found: list[Any] = []
     for name in names:
         several = "uvw"[: len(x)] if name in VECTORS else ""

@@ -165,9 +165,7 @@ class BlockState(State):
         self._take_calls(calling.library, does["plan_next"])
 
     def _left(self) -> np.ndarray:
-        """(runs, 2) of the numbers of this rank's part of a world vector with rates that something
-        adds to after a sweep.
-        """
+        """(runs, 2), begin and end of numbers to whose rates something is added after sweeps."""
         left = np.ones(self.layout.local_size, bool)
         for k, part in self.parts.items():
             patch = part.patch
@@ -182,9 +180,7 @@ class BlockState(State):
         self.not_recorded, self.asked = why, self.comm.allreduce(bool(why), MPI.LOR)
 
     def _instant(self) -> float:
-        """A time [s] in which little happens, for differences in time: a power of two, so that it
-        is the same in most steps, and data need not be asked for again where the next step begins.
-        """
+        """A short time [s], for differences in time; a power of two, so that it hardly changes."""
         rate = float(self.results[RATE])
         _, power = math.frexp(0.25 / rate if 0.0 < rate < np.inf else 1e-3 * self.h)
         return math.ldexp(0.25, power)
@@ -196,9 +192,8 @@ class BlockState(State):
             procedure()
 
     def check_data(self, t_end: float | None = None) -> None:
-        """Fill the solution with the data of the case at t = 0. InputError for what its functions
-        return, those of exact solutions, conditions and forcing as well, and where walls do not
-        have the velocity with which they move until t_end [s].
+        """Fill the solution with initial data; ask all functions of the case at t = 0. InputError
+        for what they return, and where walls do not move with their velocity until t_end [s].
         """
 
         def fill() -> None:
@@ -213,8 +208,8 @@ class BlockState(State):
         together(self.comm, fill)
 
     def set_initial(self) -> None:
-        """Initial data of all blocks. Grids of gases follow the solids, and J is that of the grid,
-        at the same density, velocity and temperature; gas at walls gets their velocity. InputError.
+        """Initial data. Grids of gases follow the solids, at the same density, velocity and
+        temperature; gas at walls gets their velocity. InputError.
         """
         self.check_data()
         self._auxiliary[:] = 0.0
@@ -332,9 +327,7 @@ class BlockState(State):
         return (*unknowns, *(n for n in saved.fields_of(kind, d) if n.startswith(("s_", "sigma"))))
 
     def powers(self, k: int, names: Sequence[str], t: float, power: int) -> np.ndarray:
-        """Of this rank's nodes of block k sum w |difference|^power at time t [s], with w = H times
-        J of the reference map. InputError.
-        """
+        """As of any state; the weight of a node is H times J of the reference map. InputError."""
         part = self.parts[k]
         block, X = part.block, part.X[:, part.owned]
         exact = block_values(block, "exact", X, t)
@@ -350,9 +343,7 @@ class BlockState(State):
         return self.layout.owned(k, self.y)
 
     def ghosted(self, k: int) -> np.ndarray:
-        """(N, unknowns) of block k that is shown: with halos as they were filled last, or without
-        halos the owned nodes.
-        """
+        """(N, unknowns) of block k that is shown, with halos, if there are any, as filled last."""
         part = self.layout.parts[k]
         return part.halo.T if part.halo.size else self.layout.owned(k, self._shown)
 
@@ -372,8 +363,7 @@ class BlockState(State):
         return self.parts[k].fields(self.ghosted(k))
 
     def save(self) -> dict[int, np.ndarray]:
-        """What is saved of this rank's nodes: number of a block -> (local, columns), to be copied
-        before the next call (RunWriter.write_frame). Collective."""
+        """What is saved of this rank's nodes of each block, to be copied before the next call."""
         none = [np.empty((0, len(self.fields(k)))) for k in range(len(self.shapes))]
         here = [self.saved(k) if k in self.parts else array for k, array in enumerate(none)]
         return {k: self.layout.in_order(k, array) for k, array in enumerate(here)}

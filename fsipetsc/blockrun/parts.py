@@ -42,9 +42,7 @@ OF_SOLID = of_solid.store, rates, of_solid.monitor, of_solid.measure, of_solid.s
 
 
 class GasPart(BlockPart):
-    """One part of a gas block. metrics: (d d + d, N), a^k and the velocity of the grid; around an
-    axis also A.
-    """
+    """One part of a gas block. metrics: (d d + d, N), a^k, velocity of the grid, and of axes A."""
 
     def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
         super().__init__(layout, part, order)
@@ -75,9 +73,7 @@ class GasPart(BlockPart):
             raise InputError(f"{lacks}; it is 1 where blocks are joined; -1: no dissipation")
 
     def follow(self, particles: Sequence[Particle], system: ParticleSystem) -> None:
-        """Let the grid follow the particles that have a solid, or are on walls that move.
-        Collective on the block's ranks.
-        """
+        """Let the grid follow solids and walls that move. Collective on the ranks of the block."""
         of = self.at_particles
         faces = sorted(set(zip(of.axis.tolist(), of.index.tolist(), strict=True)))
         blocks = self.problem.blocks
@@ -144,9 +140,7 @@ class GasPart(BlockPart):
             q[:, c] = values
 
     def begin_at_walls(self, q: Array, nodes: Array, u: Array) -> None:
-        """Let J be that of the grid, at the same density, velocity and temperature, and nodes have
-        the velocities u (n, d), at the same temperature.
-        """
+        """Let J be that of the grid, and nodes have the velocities u (n, d); rho and T stay."""
         self.does["find_volumes"]()
         q *= (self.J / q[:, 0])[:, None]
         rows, d = self.rows(nodes), self.d
@@ -155,9 +149,7 @@ class GasPart(BlockPart):
         q[rows, 2 : 2 + d], q[rows, 2 + d] = momentum, q[rows, 2 + d] + 0.5 * change
 
     def steepest(self, q: Array) -> tuple[float, ...]:
-        """The largest change of the pressure from an owned node to one beside it, over the larger
-        bulk modulus, and X there. q: (N, d + 3) of all nodes with a halo.
-        """
+        """The largest change of p between neighbours, over their larger bulk modulus; X there."""
         at, change, stride = self.owned, np.zeros(self.owned.size), 1
         with np.errstate(all="ignore"):  # a state may be unphysical
             w = self.laws.primitive(tuple(q.T))
@@ -170,9 +162,7 @@ class GasPart(BlockPart):
         return change[most], *self.X[:, at[most]]
 
     def fields(self, q: Array, rows: slice = slice(None)) -> Array:
-        """(…, 2d + 4) what is saved of these rows of the owned nodes: rho, u, T, p, J over that of
-        the reference map, x.
-        """
+        """(…, 2d + 4), saved of these rows: rho, u, T, p, J over that of the reference map, x."""
         own = self.owned[rows]
         w, J = self.laws.primitive(tuple(q[own].T)), q[own, 0] / self.reference[rows]
         self.does["find_places"]()
@@ -265,9 +255,7 @@ class SolidPart(BlockPart):
         return text_of(kernels, d, WIDTH, self.order), (images, normals, *OF_SOLID)
 
     def stressed(self, q: Array, rows: Any) -> tuple[Array, Array, Array, Array]:
-        """T, p (n,), Cauchy stress (d, d, n) and that of hoops (1, n), or (0, n) without hoops, of
-        owned nodes, by the last F.
-        """
+        """T, p, Cauchy stress (d, d, n), that of hoops (1 or 0, n), of rows, by the last F."""
         d, around = self.d, self.problem.symmetry > 0
         found = np.empty((2 + d * d + around, self.owned.size))
         self.does["stressed"](np.ascontiguousarray(q.T).reshape(-1), found.reshape(-1))

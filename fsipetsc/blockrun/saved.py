@@ -17,9 +17,7 @@ Array = np.ndarray
 
 
 def fields_of(kind: str, d: int, symmetry: int = 0) -> tuple[str, ...]:
-    """What is saved of each node. In one dimension the stress of a solid is sigma - p, p the
-    pressure of ``pressing``; around an axis or a centre that of the hoops is saved, too.
-    """
+    """What is saved of a node. In one dimension the stress of a solid is sigma - p."""
     u, x = tuple(VELOCITIES[:d]), tuple(PLACES[:d])
     if kind == "fluid":
         return ("rho", *u, "T", "p", "J", *x)
@@ -59,9 +57,7 @@ OF_INTERFACES = "x_interface", "u_interface", "sigma_interface", "T_interface"
 
 
 def step_record(problem: Any, points: int = 0) -> np.dtype:
-    """The columns of a record of a step, with so many nodes that are recorded; from the integrals
-    on these are shares of the ranks.
-    """
+    """The columns of a step's record; from the integrals on these are shares of the ranks."""
     d, blocks = problem.dimension, problem.blocks
     has = {"lossy": any(map(problem.loses, range(len(blocks)))), "pulled": problem.pulled}
     has |= {name: d == k for k, name in enumerate(("line", "plane", "space"), 1)}
@@ -91,9 +87,7 @@ def chosen(problem: BlockProblem, probes: str | None) -> list[Probe]:
 
 
 def _nearest(problem: BlockProblem, place: Array) -> Probe:
-    """The node next to a place; on an interface that of the solid. InputError for a place that is
-    further from it than its neighbours are: it is outside.
-    """
+    """The node next to a place, on an interface that of the solid. InputError for one outside."""
     found = []  # of each block: distance, whether it is a gas, its number, node
     for k, block in enumerate(problem.layers):
         apart = np.linalg.norm(problem.places(k, np.arange(np.prod(block.shape))) - place, axis=1)

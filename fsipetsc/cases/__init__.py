@@ -34,9 +34,7 @@ BUILT_IN = {name: file for file, names in _FILES.items() for name in names.split
 
 
 def case(defaults: Mapping[str, Any], *options: Option) -> Callable[[Any], SimpleNamespace]:
-    """Make a case of its function build, which has its name and, in the first line of its
-    docstring, its summary.
-    """
+    """Make a case of its function build: its name, and the first line of its docstring."""
 
     def of(build: Any) -> SimpleNamespace:
         first = build.__doc__.partition("\n")[0].rstrip(".")
@@ -46,17 +44,8 @@ def case(defaults: Mapping[str, Any], *options: Option) -> Callable[[Any], Simpl
     return of
 
 
-def summaries() -> dict[str, str]:
-    """Return name -> summary of every built-in case."""
-    return {name: load_case(name).SUMMARY for name in BUILT_IN}
-
-
 def load_case(name_or_path: str, also: Sequence[str] = ()) -> Any:
-    """A built-in case, or the module of the case file at a path.
-
-    also: further names that may be suggested for a misspelt one. Raises InputError, with file, line
-    and reason if a user's file is at fault.
-    """
+    """A built-in case, or the module of a case file; also: other names to suggest. InputError."""
     if name_or_path in BUILT_IN:
         file = importlib.import_module(f"fsipetsc.cases.{BUILT_IN[name_or_path]}")
         case: Any = getattr(file, name_or_path, file)  # ring.py is a case, and a template

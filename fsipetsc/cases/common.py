@@ -60,9 +60,7 @@ def solid_of(opt: Opt, force: float = 0.0) -> Solid:
 
 
 def elastic_of(opt: Opt, p_ref: float = 1.0, **more: Any) -> ElasticSolid:
-    """The solid of a case of blocks, without heat of its own, of solid_mu and solid_lambda, or of
-    solid_modulus K: K/4 and K/2. p_ref [Pa], more: see ElasticSolid.
-    """
+    """The solid of a case of blocks, of solid_mu and solid_lambda; else of K, as K/4 and K/2."""
     K = opt.get("solid_modulus", 0.0)
     lame = opt.get("solid_mu", K / 4), opt.get("solid_lambda", K / 2)
     others = {"kappa_e": 0.0, "alpha": 1.0, "heat": "elastic", **more}

@@ -22,11 +22,7 @@ from fsipetsc.process.together import Comm, together
 
 
 def new(name: str, given: Mapping[str, str]) -> str:
-    """Write the template of layers, or that of the option given, as the file `name`; how it is run.
-
-    InputError for a name that could not be run, and for two options; FileError where there is a
-    file, which is left; OSError where none can be written.
-    """
+    """Write a template as the file `name`; return how it is run. InputError, FileError, OSError."""
     path = Path(name)
     if path.suffix != ".py" or path.stem in cases.BUILT_IN:
         expected = "expected one that ends in .py and is no built-in case, such as my_case.py"

@@ -29,9 +29,7 @@ KEPT = "steps", "rejected", "t", "wall_time", "initial", "reached", "saved_at"
 
 
 def saved_times(opt: Mapping[str, Any], unit: str = " s") -> list[float]:
-    """Return the times [s] at which profiles are saved, the last one the end of the run. InputError
-    for times beyond it.
-    """
+    """The times [s] at which profiles are saved, up to the end of the run. InputError."""
     end, interval = opt["ts_max_time"], opt["fsi_output_dt"]
     saved = {*(opt["fsi_output_times"] or ())}
     if (last := max(saved, default=0.0)) > end:
@@ -108,9 +106,7 @@ class Integrator:
         self._pass()
 
     def take_series(self) -> np.ndarray:
-        """Return the records of steps since the last time, on rank 0 with sums over ranks; not
-        copied: the next steps overwrite them.
-        """
+        """The records of steps since the last time, not copied; on rank 0 with sums over ranks."""
         comm, steps, self._recorded = self.comm, self.state.journal[: self._recorded], 0
         if comm.size > 1 and len(steps):
             kinds = [SERIES[name].kind for name in steps.dtype.names]

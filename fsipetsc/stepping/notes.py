@@ -104,9 +104,7 @@ def long_steps(state: State, opt: Mapping[str, Any]) -> list[str]:
 
 
 def imaginary_waves(state: State, t: float, told: Collection[int] = ()) -> dict[int, str]:
-    """Solids, but those told of, whose waves have become imaginary at t [s], and where it is worst:
-    number of the block -> text. The paper's solids are checked with each step.
-    """
+    """Solids, but those told of, whose waves are imaginary at t [s]: block -> text."""
     found = []
     for k, part in state.parts.items() if isinstance(state, BlockState) else ():
         if part.block.kind == "solid" and k not in told:
@@ -154,9 +152,7 @@ def worst_waves(part: SolidPart, q: Array) -> list[tuple[float, int, list[float]
 
 
 def check(state: State, opt: Mapping[str, Any], t: float, step: int) -> None:
-    """Raise ComputationError, or InputError of the first state, if the run cannot go on from the
-    state at t [s].
-    """
+    """ComputationError, at first InputError, if the run cannot go on from the state at t [s]."""
     flags, when = state.results, f"t = {t:.6g}{state.problem.unit('s')}, step {step}"
     if flags[BAD] or not flags[RATE] < np.inf:
         first = first_bad(state) or "the time step is not a number"
@@ -178,9 +174,7 @@ def check(state: State, opt: Mapping[str, Any], t: float, step: int) -> None:
 
 
 def first_bad(state: State) -> str:
-    """Describe the first point of all ranks that is not physical, or has a number whose square is
-    none; "" if there is none.
-    """
+    """Describe the first point of all ranks that is not physical, or too large; "" if none is."""
     bad, m = [], state.problem.unit("m")
     for k, numbers, fields, *places in state.seen():
         for order, (name, values) in enumerate(fields.items()):

@@ -24,9 +24,7 @@ FREE = FREE - {"fsi_probes"} | {"fsi_cfl"}
 
 
 class Past(NamedTuple):
-    """What a run goes on from; the same on all ranks. options: those of the checkpoint, which are
-    taken over where they are not given.
-    """
+    """What a run goes on from; options: those that are taken over where they are not given."""
 
     path: str
     header: dict[str, Any]
@@ -87,9 +85,7 @@ def find_past(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> Past | Non
 
 
 def check_place(comm: MPI.Comm, path: str, opt: Any, past: Past | None) -> Path | None:
-    """Return a checkpoint at this name that is not the one the run goes on from, if there is one;
-    on rank 0. InputError or FileError where no checkpoint can be written. Collective.
-    """
+    """On rank 0 a checkpoint at this name that is not the past one. InputError, FileError."""
     there = Path(os.path.realpath(path))
 
     def check() -> Path | None:

@@ -52,9 +52,7 @@ _BOUNDS = {"fluid": ("sound", "viscosity and conduction"), "solid": ("waves", "c
 
 
 def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem | BlockProblem:
-    """Return what the case says for the options in force: layers for the paper's couplings, else
-    blocks. Collective; InputError, with file and line of a user's case file.
-    """
+    """What the case says: layers for the paper's couplings, else blocks. Collective; InputError."""
 
     def build() -> Problem | BlockProblem:
         problem = call(case.build, (opt,), "build")
@@ -72,9 +70,7 @@ def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem 
 def make_state(
     problem: Any, opt: dict[str, Any], comm: MPI.Comm, announce: Any = lambda text: None
 ) -> PaperState | BlockState:
-    """Return the state that the options in force ask for; announce: see `libraries`. Collective.
-    InputError where grid, order and ranks do not fit, or a law cannot be recorded.
-    """
+    """The state that the options ask for; announce: see `libraries`. Collective; InputError."""
     build.keeps_text = opt["fsi_debug"]
     if isinstance(problem, BlockProblem):
         recorded = together(comm, lambda: chosen(problem, opt["fsi_probes"]))
@@ -97,10 +93,7 @@ def block_form(opt: Mapping[str, Any]) -> BlockForm:
 
 
 def run_given(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> dict[str, Any]:
-    """Run the case with the options that the user gave, from its beginning or a checkpoint.
-
-    Returns the options in force. Collective; raises what ``run_case`` raises.
-    """
+    """Run the case from its beginning or a checkpoint; return the options in force. Collective."""
     past = restart.find_past(case, given, comm)
     options = read_options(case, given, inherited=None if past is None else past.options)
     if past is not None:
@@ -110,11 +103,9 @@ def run_given(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> dict[str, 
 
 
 def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | None = None) -> None:
-    """Build the case's problem, integrate it and write its result, or with -fsi_check only say what
-    is found before the first step. Collective on comm.
-
-    past: a checkpoint to go on from. Raises InputError, ComputationError (after writing what was
-    computed), FileError, Interrupted.
+    """Integrate the case's problem and write its result, or with -fsi_check tell how it begins.
+    past: a checkpoint to go on from. Collective. InputError, ComputationError (what was computed is
+    written), FileError, Interrupted.
     """
     problem = build_problem(case, options, comm)
     quiet = comm.rank > 0 or options["fsi_quiet"]
