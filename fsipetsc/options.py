@@ -154,23 +154,19 @@ OUTPUT = (
         check=lambda name: bool(Path(name).name) or "the name of a file"),
     Option("fsi_output_dt", float, None, "s", "interval of saved profiles", check="positive"),
     Option("fsi_output_times", "floats", None, "s", "times of saved profiles", check=_increasing),
-    Option("fsi_probes", str, None, "m",
-        "of blocks: places whose nearest nodes are recorded at each step: X,Y;X,Y;…"),
+    Option("fsi_probes", str, None, "m", "places of nodes to record at each step: X,Y;X,Y;…"),
 )  # fmt: skip
 CHECKPOINTS = (
-    Option("fsi_checkpoint", str, None, "",
-        "file of checkpoints; NAME.checkpoint.h5 beside the result NAME.h5 if not given"),
+    Option("fsi_checkpoint", str, None, "", "file of checkpoints; else NAME.checkpoint.h5"),
     Option("fsi_checkpoint_steps", int, None, "", "steps between checkpoints", check="positive"),
     Option("fsi_checkpoint_wall", float, None, "s", "wall time between them", check="positive"),
-    Option("fsi_restart", str, None, "",
-        "go on from a checkpoint; auto: from the run's own, if there is one"),
+    Option("fsi_restart", str, None, "", "go on from a checkpoint; auto: the run's own, if any"),
 )  # fmt: skip
 RUN = (
     Option("fsi_check", bool, False, "", "check the case, and do not run it"),
     Option("fsi_partition", str, "auto", "", "which ranks own which layers",
         ("auto", "physics", "balanced")),
-    Option("fsi_norm", str, "L2", "",
-        "norm of the errors against an exact solution; L1 where it jumps", ("L1", "L2")),
+    Option("fsi_norm", str, "L2", "", "norm of errors; L1 where solutions jump", ("L1", "L2")),
     Option("fsi_quiet", bool, False, "", "print nothing but errors"),
     Option("fsi_progress", bool, False, "", "print progress every 5 s, as on a terminal"),
     Option("fsi_debug", bool, False, "", "keep the C text of the kernels, and print where it is"),

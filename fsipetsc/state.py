@@ -169,11 +169,6 @@ class State:
         self.plan = SimpleNamespace(batch=self.batch, results=self.results, **of_steps)
         return numbers
 
-    @property
-    def invariants(self) -> Mapping[str, Any]:
-        """What must not change, as JSON has it: see fsipetsc.scheme.observables."""
-        return self.problem.invariants
-
     def header(self) -> dict[str, Any]:
         """What a result file says of layers, and of points that are recorded: none."""
         about = [

@@ -91,8 +91,7 @@ class BlockState(State):
         self.parts = together(comm, make)  # a grid or a prestress may be wrong on some ranks
         self._gases = [part for part in self.parts.values() if part.block.kind == "fluid"]
         particles = particles_of(problem)
-        solids = {k: part for k, part in self.parts.items() if part.block.kind == "solid"}
-        inertia = {k: part.inertia for k, part in solids.items()}
+        inertia = {k: of.inertia for k, of in self.parts.items() if of.block.kind == "solid"}
         self.particles = ParticleSystem(layout, particles, inertia, self._instant)
         for k, part in self.parts.items():
             part.at_particles = self.particles.faces_at(k)
@@ -159,8 +158,9 @@ class BlockState(State):
             bad = [about for about, of in every if not np.isfinite(of).all()]
             self._ask([f"{what}: it is not finite at t = 0" for what in bad])
         self.particles.begin()
-        for gas in self._gases:
-            gas.find_reference()
+        for gas in self._gases:  # the metrics where nothing has moved
+            gas.does["begin_grid"]()
+            gas.reference[:] = gas.J
         self._lists = phases(layout, [*parts], self.particles, does, self._data)
         self._take_calls(calling.library, does["plan_next"])
 

@@ -96,11 +96,6 @@ class GasPart(BlockPart):
         self.reference, self.J = np.zeros((2, self.owned.size))
         self.places = self.X.copy()
 
-    def find_reference(self) -> None:
-        """Find the metrics of the grid where nothing has moved, once the code is loaded."""
-        self.does["begin_grid"]()
-        self.reference[:] = self.J
-
     def _prepare(self, system: Any) -> Any:
         self.column = [block.kind for block in self.problem.blocks[: self.k]].count("fluid")
         self.columns.mass += self.column
@@ -179,11 +174,7 @@ def loose_gases(problem: BlockProblem, convection: str) -> list[Block]:
 
 
 class SolidPart(BlockPart):
-    """One part of a solid block.
-
-    metrics: (d d + 1, ghosted nodes), A^k and J0; inertia: J0 m0; reference: J0 of owned nodes;
-    prestress: (d d, ghosted nodes), if there is one.
-    """
+    """One part of a solid block. reference: (M,) J0 of owned nodes."""
 
     def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
         super().__init__(layout, part, order)

@@ -13,7 +13,7 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.errors import FileError, InputError
-from fsipetsc.options import CHECKPOINTS, OF_A_RUN, OUTPUT, PETSC_OPTIONS, RUN, groups, read_table
+from fsipetsc.options import CHECKPOINTS, OUTPUT, PETSC_OPTIONS, RUN, groups, read_table
 from fsipetsc.output import file_layout
 from fsipetsc.output.file_layout import beside, check_folder
 from fsipetsc.process.together import together
@@ -24,12 +24,11 @@ FREE = FREE - {"fsi_probes"} | {"fsi_cfl"}
 
 
 class Past(NamedTuple):
-    """What a run goes on from; options: those that are taken over where they are not given."""
+    """What a run goes on from. Its options are taken over where they are not given."""
 
     path: str
     header: dict[str, Any]
     arrays: dict[str, np.ndarray]
-    options: dict[str, Any]
 
     def check(self, now: Mapping[str, str], before: Mapping[str, str]) -> None:
         """InputError for what must be as it was, and is not."""
@@ -80,8 +79,7 @@ def find_past(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> Past | Non
     if header["case"] != case.NAME:
         what = f"is a checkpoint of the case {header['case']}, not of {case.NAME}"
         raise InputError(f"-fsi_restart: {path} {what}")
-    options = {k: v for k, v in header["options"].items() if k not in OF_A_RUN}
-    return Past(path, header, arrays, options)
+    return Past(path, header, arrays)
 
 
 def check_place(comm: MPI.Comm, path: str, opt: Any, past: Past | None) -> Path | None:

@@ -25,7 +25,7 @@ from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.checks import counted, described, duration
 from fsipetsc.errors import ComputationError, FileError, InputError, Interrupted, call, place_of
 from fsipetsc.kernels import build
-from fsipetsc.options import read_options
+from fsipetsc.options import OF_A_RUN, read_options
 from fsipetsc.output import file_layout
 from fsipetsc.output.geometry_picture import geometry_rows
 from fsipetsc.output.info import summary_rows, table
@@ -95,9 +95,10 @@ def block_form(opt: Mapping[str, Any]) -> BlockForm:
 def run_given(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> dict[str, Any]:
     """Run the case from its beginning or a checkpoint; return the options in force. Collective."""
     past = restart.find_past(case, given, comm)
-    options = read_options(case, given, inherited=None if past is None else past.options)
-    if past is not None:
-        past.check(restart.fixed(options), restart.fixed(past.options))
+    inherited = past.header["options"] if past else {}
+    options = read_options(case, given, inherited=inherited)
+    if past:
+        past.check(restart.fixed(options), restart.fixed(inherited))
     run_case(case, options, comm, past)
     return options
 
@@ -232,7 +233,7 @@ class Run(Integrator):
             **self.state.header(),
             "notes": list(self.problem.notes),
             "units": self.problem.units,
-            "laws": self.state.invariants,
+            "laws": self.problem.invariants,
             **self.mark,
         }
         about = header, self.state.grids(), self.take_series, after, other
@@ -261,7 +262,7 @@ class Run(Integrator):
         self.writer.flush()
         header = {
             "case": self.name,
-            "options": dict(self.opt),
+            "options": {k: v for k, v in self.opt.items() if k not in OF_A_RUN},
             "facts": restart.facts(self.state),
             "run": self.mark,
             "memory": self.memory(),
@@ -351,6 +352,6 @@ class Run(Integrator):
             "points": state.points,
             "wall_time": self.wall_time,
             "bound": self.bound,
-            **of_laws(series, state.invariants, self.initial),
+            **of_laws(series, self.problem.invariants, self.initial),
             **{f"initial_{name}": value for name, value in self.initial.items()},
         }
