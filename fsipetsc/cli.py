@@ -108,6 +108,9 @@ def _main(arguments: list[str]) -> int:
             world = start_mpi(alone=True)
             notes = world.Dup()
             if first in COMMANDS:
+                usage = COMMANDS[first].arguments
+                if usage.startswith("CASE") and (not arguments[1:] or is_option(arguments[1])):
+                    raise InputError(f"{first}: CASE is missing: {PROGRAM} {first} {usage}")
                 COMMANDS[first].find(first)(arguments[1:], world)
             else:
                 case = together(world, lambda: load_case(first, tuple(COMMANDS)))

@@ -17,7 +17,7 @@ from types import ModuleType, SimpleNamespace
 from typing import Any
 
 from fsipetsc.errors import InputError, call
-from fsipetsc.options import PROGRAM, Option, groups, is_option
+from fsipetsc.options import Option, groups
 
 #: file -> its cases
 _FILES = {
@@ -61,14 +61,6 @@ def load_case(name_or_path: str, also: Sequence[str] = ()) -> Any:
     hint = f"; did you mean '{near[0]}'?" if near else "."
     known = f"There are {', '.join(BUILT_IN)}, and any case file (.py)"
     raise InputError(f"unknown case '{name_or_path}'{hint} {known}")
-
-
-def case_after(command: str, arguments: Sequence[str]) -> Any:
-    """The case that comes first among the arguments of a command. InputError."""
-    if not arguments or is_option(arguments[0]):
-        usage = f"{PROGRAM} {command} CASE [-option value ...]"
-        raise InputError(f"{command}: CASE is missing: {usage}")
-    return load_case(arguments[0])
 
 
 def case_of(problem: Any, **defaults: Any) -> SimpleNamespace:

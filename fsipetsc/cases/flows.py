@@ -9,13 +9,11 @@ from fsipetsc.blocks.conditions import Clamped, Free, Hinge, NoSlip, Open, Outfl
 from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases import case, common
 from fsipetsc.cases.common import SHOCKS, Opt, materials
-from fsipetsc.cases.riemann import GasState, behind_shock, sound
+from fsipetsc.cases.riemann import GAMMA, GasState, behind_shock, sound
 from fsipetsc.equations.elementary import exp, power
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import above_one
-
-GAMMA = 1.4
 
 
 @case(

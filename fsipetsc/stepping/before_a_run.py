@@ -11,7 +11,7 @@ from pathlib import Path
 
 from fsipetsc import cases
 from fsipetsc.blocks.block_problem import BlockProblem
-from fsipetsc.cases import case_after
+from fsipetsc.cases import load_case
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import PROGRAM, read_options
 from fsipetsc.output.geometry_picture import draw_geometry, geometry_rows
@@ -44,7 +44,7 @@ def new(name: str, given: Mapping[str, str]) -> str:
 
 
 def compile(arguments: list[str], comm: Comm) -> None:
-    case = together(comm, lambda: case_after("compile", arguments))
+    case = together(comm, lambda: load_case(arguments[0]))
     options = read_options(case, start_petsc(arguments[1:], comm))
     from fsipetsc.stepping.run import build_problem, make_state  # which start PETSc if none has
 
@@ -55,7 +55,7 @@ def compile(arguments: list[str], comm: Comm) -> None:
 
 
 def geometry(arguments: list[str], comm: Comm) -> None:
-    case = together(comm, lambda: case_after("geometry", arguments))
+    case = together(comm, lambda: load_case(arguments[0]))
     opt = read_options(case, start_petsc(arguments[1:], comm))
     from fsipetsc.stepping.run import build_problem
 

@@ -87,9 +87,8 @@ class Integrator:
         state.set_data(self.t)  # with differences in time of the length that a step has
         state.finish()
         check(state, self.opt, self.t, self.steps)
-        for name in state.latest.dtype.names:
-            if SERIES[name].kind == INTEGRAL:
-                self.initial[name] = state.comm.allreduce(state.latest[name]).tolist()
+        names = [name for name in state.latest.dtype.names if SERIES[name].kind == INTEGRAL]
+        self.initial = {name: self.comm.allreduce(state.latest[name]).tolist() for name in names}
         self._pass()
 
     def memory(self) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.cases import case_after
+from fsipetsc.cases import load_case
 from fsipetsc.checks import counted
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import OPERATORS
@@ -47,7 +47,7 @@ def convergence(arguments: list[str], comm: Comm) -> None:
     """
     from fsipetsc.stepping.run import build_problem
 
-    case = together(comm, lambda: case_after("convergence", arguments))
+    case = together(comm, lambda: load_case(arguments[0]))
     study = Study(comm, arguments[1:], OPTIONS, f"{case.NAME}-convergence", case)
     opt, problem = study.opt, build_problem(case, study.opt, comm)
     exact = all(layer.exact is not None for layer in problem.layers)

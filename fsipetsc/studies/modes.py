@@ -21,7 +21,7 @@ from scipy.linalg import orth
 from scipy.optimize import brentq
 from scipy.sparse.linalg import LinearOperator, eigs, splu
 
-from fsipetsc.cases import case_after
+from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option
 from fsipetsc.process.together import Comm, together
@@ -73,7 +73,7 @@ def modes(arguments: list[str], comm: Comm) -> None:
     from fsipetsc.blockrun.block_state import BlockState
     from fsipetsc.stepping.run import block_form, build_problem
 
-    case, name = together(comm, lambda: case_after("modes", arguments)), arguments[0]
+    case, name = together(comm, lambda: load_case(arguments[0])), arguments[0]
     study = Study(comm, arguments[1:], OPTIONS, "modes", case)
     opt = {**study.opt, **STEADY.get(name, {})}
     order, count, n = opt["fsi_order"], opt["modes_count"], opt["ring_angular"] * (name == "ring")
