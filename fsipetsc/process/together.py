@@ -64,8 +64,8 @@ def libraries(
     comm: Comm, texts: Sequence[str], announce: Callable[[str], None] = lambda text: None
 ) -> list[ctypes.CDLL]:
     """Return the libraries of this rank's texts in C. Collective, though ranks may have other
-    texts: each is compiled once, by one rank, and sent as bytes, so that no file system has to show
-    a new file in time.
+    texts: rank 0 compiles what a rank lacks, and sends it as bytes, so that no file system has to
+    show a new file in time.
 
     announce: called on rank 0 before and after somebody compiles. InputError where there is no
     compiler, or it fails; FileError.
@@ -73,29 +73,27 @@ def libraries(
     from fsipetsc.kernels import build
 
     says = announce if comm.rank == 0 else lambda text: None
-    names, given, kept = [*map(build.name_of, texts)], dict[str, bytes](), dict[str, bytes]()
+    names, made = [*map(build.name_of, texts)], dict[str, bytes]()
     text_of = dict(zip(names, texts, strict=True))
     lacks = together(comm, lambda: [name for name in text_of if build.found(name) is None])
-    # name -> the rank that compiles it: the lowest one that lacks it
-    makers = {name: k for k, some in reversed([*enumerate(comm.allgather(lacks))]) for name in some}
-    in_C = text_of if build.keeps_text and comm.rank == 0 else {}
-    written = {name.replace(".so", ".c"): text.encode() for name, text in in_C.items()}
-    lost = build.keep(written)
-    for name in () if lost else written:
-        says(f"C text of kernels: {build.folder() / name}")
-    if makers:
+    gathered = comm.gather({name: text_of[name] for name in lacks}) or ()
+    wanted = {name: text for of_rank in gathered for name, text in of_rank.items()}
+    lost = ""
+    if build.keeps_text and comm.rank == 0:
+        in_C = {name.replace(".so", ".c"): text.encode() for name, text in text_of.items()}
+        lost = build.keep(in_C)
+        for name in () if lost else in_C:
+            says(f"C text of kernels: {build.folder() / name}")
+    if comm.allreduce(len(lacks)):
         begin = time.monotonic()
-        says(f"compiling the kernels of this case (libraries: {len(makers)})")
-        mine = {name: text_of[name] for name, k in makers.items() if k == comm.rank}
-        # asleep: who compiles may have this rank's core
-        kept = together(comm, lambda: build.made(mine), asleep=True)
+        says(f"compiling the kernels of this case (libraries: {len(wanted)})")
+        # asleep: the compilers may have this rank's core
+        made = comm.bcast(together(comm, lambda: build.made(wanted), asleep=True))
         says(f"compiled in {time.monotonic() - begin:.1f} s")
-        for of_rank in comm.allgather(kept):
-            given.update(of_rank)
-    lost = build.keep(kept) or lost
+    lost = build.keep({name: made[name] for name in lacks}) or lost
     if lost and comm.rank == 0:
         print(f"fsipetsc: warning: {lost}", file=sys.stderr)
-    return together(comm, lambda: [build.loaded(name, given) for name in names])
+    return together(comm, lambda: [build.loaded(name, made) for name in names])
 
 
 def describe(error: BaseException) -> tuple[int, str, bool]:
