@@ -194,8 +194,7 @@ def test_tiles(shape, both, damping, monkeypatch):
     """The same bits where each block is cut along all axes."""
     oracle, q, whole = check(shape, both, 4, **damping)
     cut = 8 if shape == "line" else 4
-    monkeypatch.setattr(gas_sweep, "TILES", dict.fromkeys((1, 2, 3), cut))
-    monkeypatch.setattr(gas_sweep, "DEPTH", 2)
+    monkeypatch.setattr(gas_sweep, "TILES", ((cut, 1), (cut, 1), (cut, 2)))
     monkeypatch.setattr(solid_sweep, "TILES", ((7, 1), (5, 1), (5, 4)))
     np.testing.assert_equal(Engine(oracle).rates(q), whole)
 

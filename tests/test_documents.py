@@ -85,9 +85,9 @@ def test_the_kernel_of_the_page_of_code_is_what_is_printed():
     from fsipetsc.scheme.gas_terms import convection_of
 
     gas = Fluid(0.0, 0.0, 1.4, 287.0).equations(2)
-    kernels = gas_kernels(gas, 2, convection_of("entropy", gas), False, False)
+    kernels = gas_kernels(gas, 2, convection_of("entropy", gas), False, False, (2, 3))
     (page,) = (text for language, text in FENCED.findall(TEXTS["code.md"]) if language == "c")
-    assert "".join(page.split("{", 1)[1].split()) in "".join(kernels.near.text.split())
+    assert "".join(page.split("{", 1)[1].split()) in "".join(kernels.near_pairs.text.split())
 
 
 def test_where_to_add_something_is_true():

@@ -13,12 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blockrun.saved import fields_of
+from fsipetsc.blocks.area_vectors import Curls
 from fsipetsc.blocks.block_problem import Meeting
 from fsipetsc.blocks.conditions import COLUMNS, VECTORS, Condition
 from fsipetsc.blocks.face_formulas import Effect
-from fsipetsc.blocks.metrics import Wide, cube_of
+from fsipetsc.blocks.metrics import Wide
 from fsipetsc.checks import block_values, checked, names_of, place_text
 from fsipetsc.errors import InputError
+from fsipetsc.kernels.arrays import aligned
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.kernels.symbols import Symbol, numbers_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
@@ -126,8 +128,7 @@ class BlockPart(Part):
             if effect.first_order:
                 low, high = (self.block.face_positions(axis, at) for at in (0, 1))
                 self.faces.width[where] = np.linalg.norm(high - low, axis=0).mean()
-        if turned:
-            self._cubes, self.faces.turned = zip(*turned)  # addresses of the faces point to cubes
+        self.faces.turned = tuple(turned)
 
     def nodes_of(self, axis: int, side: int) -> dict[str, Array]:
         """What fsipetsc.scheme.faces takes of this rank's nodes of a face, without data."""
@@ -177,7 +178,7 @@ class BlockPart(Part):
         return tuple(traction), heat
 
     def _turned(self, axis: int, side: int, nodes: slice) -> Any:
-        """A face of a solid in three dimensions, perhaps without nodes here, and its cube."""
+        """A face of a solid in three dimensions, perhaps without nodes here."""
         shape, ghosted = self.block.shape, self.ghosted
         sizes = zip(ghosted, self.patch.first, self.patch.own, strict=True)
         where = [(begin + first, begin + first + own) for (begin, _), first, own in sizes]
@@ -190,10 +191,10 @@ class BlockPart(Part):
         places = np.meshgrid(*index, indexing="ij")
         at = np.ravel_multi_index(places, self.patch.ghosted, order="F").ravel(order="F")
         areas = np.zeros((9, int(np.prod([end - begin for begin, end in where]))))
-        address, kept = cube_of(wide, [(axis, 0)])
-        of_cube = {"address": address, "x": wide.y.copy(), "y": wide.y, "at": at, "areas": areas}
+        x, curls = aligned(wide.y.size).reshape(wide.y.shape), Curls(wide, [(axis, 0)])
+        of_wide = {"curls": curls, "x": x, "y": wide.y, "at": at, "areas": areas}
         of_face = {"row": 3 * axis, "begin": nodes.start, "nodes": nodes.stop - nodes.start}
-        return kept, SimpleNamespace(**of_cube, **of_face, sign=1.0 if side else -1.0)
+        return SimpleNamespace(**of_wide, **of_face, sign=1.0 if side else -1.0)
 
     def refresh(self, t: float) -> None:
         """Data of faces and forcing at t [s]. InputError, also for slip lengths below a cell."""

@@ -31,7 +31,7 @@ from fsipetsc.scheme.gas_sweep import GasSweep, gas_kernels
 from fsipetsc.scheme.gas_terms import CONSERVED, add_force, add_radial, convection_of
 from fsipetsc.scheme.monitor import COLUMNS, MONITORED
 from fsipetsc.scheme.part import images, rates
-from fsipetsc.scheme.solid_sweep import WIDTH, SolidSweep, solid_kernels
+from fsipetsc.scheme.solid_sweep import SolidSweep, solid_kernels
 from fsipetsc.scheme.sweep import text_of
 
 Array = NDArray[Any]
@@ -99,7 +99,8 @@ class GasPart(BlockPart):
     def _prepare(self, system: Any) -> Any:
         self.column = [block.kind for block in self.problem.blocks[: self.k]].count("fluid")
         self.columns.mass += self.column
-        made = gas_kernels(self.laws, self.d, self.form, self.viscous, self.moves)
+        near = self.order // 2, max(band.reach for band in self.bands)
+        made = gas_kernels(self.laws, self.d, self.form, self.viscous, self.moves, near)
         self.volume = GasSweep(self.laws, self.d, made, self.bands, self.patch)
         potential = self.volume.potential
         potential[:] = -dot(self.laws.force, self.X)[: potential.size]
@@ -110,7 +111,7 @@ class GasPart(BlockPart):
         self.room = np.zeros((MONITORED + len(vars(self.columns)), COLUMNS))
         self.masses, self.ends = self.H, self._ends()
         moving = OF_MOVING_GAS if self.moves else ()
-        text = text_of(made, self.d, self.volume.width, self.order)
+        text = text_of(made, self.d, self.volume.width)
         return text, (*moving, images, normals, *OF_GAS)
 
     def _ends(self) -> SimpleNamespace:
@@ -243,7 +244,7 @@ class SolidPart(BlockPart):
         kernels = solid_kernels(self.laws, d, self.order, self.prestress is not None)
         self.volume = SolidSweep(self.laws, d, kernels, self.bands, self.patch)
         self.room = np.zeros((MONITORED + len(vars(self.columns)), self.patch.own[0]))
-        return text_of(kernels, d, WIDTH, self.order), (images, normals, *OF_SOLID)
+        return text_of(kernels, d, self.volume.width), (images, normals, *OF_SOLID)
 
     def stressed(self, q: Array, rows: Any) -> tuple[Array, Array, Array, Array]:
         """T, p, Cauchy stress (d, d, n), that of hoops (1 or 0, n), of rows, by the last F."""

@@ -2,18 +2,6 @@
 Gordon and Hall, Int. J. Numer. Meth. Eng. 7 (1973) 461-477. Its velocity is the same blend of the
 faces' velocities.
 
-On a plane only the faces are differentiated: D_k of a linear function is exact, so derivatives of a
-blend of faces are blends of derivatives along them. With S, N the faces along axis 1 at the low and
-high end of axis 2, W, E those along axis 2, and l, h the weights of low and high ends,
-
-    Q_ij     = l_j S_i + h_j N_i
-    u_ij     = Q_ij + l_i (W_j - Q_0j) + h_i (E_j - Q_nj)
-    D_1 u_ij = l_j D_1 S_i + h_j D_1 N_i + [E_j - W_j - (Q_nj - Q_0j)]
-    D_2 u_ij = l_i D_2 W_j + h_i D_2 E_j + [N_i - S_i - l_i (N_0 - S_0) - h_i (N_n - S_n)]
-
-The brackets are 0 to the bit at S and N, or W and E. Along a periodic axis there are no faces
-across it; then their values, those at vertices, l and h are 0.
-
 Around an axis (kappa = 1) or a centre (2) it is a flat grid of (z, s), s = |r|^kappa r/(kappa + 1),
 as r^kappa dr = ds; r is the last coordinate. With A = |r|^kappa, the velocity v of the grid, and
 D_k of summation by parts,
@@ -34,15 +22,14 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc.blocks.area_vectors import Curls, Rows
 from fsipetsc.blocks.block import Range
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.hull import blend_of, hull_of, put_on_faces
-from fsipetsc.blocks.metrics import Wide, cube_of, slopes_across, slopes_along
+from fsipetsc.blocks.metrics import Wide
 from fsipetsc.checks import Array
-from fsipetsc.equations.tensors import cofactor, determinant
-from fsipetsc.equations.vectors import add, scale, sub
-from fsipetsc.kernels.arrays import column, row, zeros
-from fsipetsc.kernels.loops import each, invoke, pick
+from fsipetsc.kernels.arrays import aligned, column, zeros
+from fsipetsc.kernels.loops import each, pick
 from fsipetsc.kernels.symbols import exact
 
 
@@ -55,21 +42,19 @@ class Grid(SimpleNamespace):
 
     Procedures get known: (M, 2d) displacements [m] and velocities [m/s] of the given nodes, and
     metrics: (d d + d, N), a^1 … a^d and the velocity of the grid; around an axis or a centre A is
-    one more row. like: d zeros, hoops: kappa zeros. `prepare` makes room, and finds what does not
-    move; `edge` finds where the grid's faces are, and a^k on those at constraints, or everywhere if
-    that is little work.
+    one more row. like: d zeros, hoops: kappa zeros. y: (d, W) places less those of linear maps, of
+    the reference map, x: of now; volume: (N,) det D x, by `find_volumes`. `edge` finds where the
+    grid's faces are, and a^k on those at constraints, or everywhere if that is little work.
     """
-
-    #: of the axes whose faces are blended
-    order = "012"
 
     def __init__(self, problem: BlockProblem, k: int, wide: Wide, nodes: Array, faces: Any) -> None:
         block, centred = problem.blocks[k], problem.centred(k)
         self.like, self.hoops = (0.0,) * problem.dimension, (0.0,) * problem.symmetry
         self.hull = hull_of(block, nodes, centred)
-        found = blend_of(block, wide, self.hull.nodes, self.order, centred)
-        self.blend, self.wide, self.range = found
+        self.blend, self.wide, self.range = blend_of(block, wide, self.hull.nodes, centred)
+        self.y, self.x = wide.y, aligned(wide.y.size).reshape(wide.y.shape)
         self.prepare(wide, faces)
+        self.volume = np.zeros(self.rows.nodes)
 
     def move(self, metrics):
         """Find where the grid is and a^k, as far as `edge` has not."""
@@ -85,202 +70,93 @@ class Grid(SimpleNamespace):
         self.blend.fill(self.hull.moved, places, self.range, X)
 
     def find_volumes(self):
-        """Find what `jacobian` takes."""
-
-    def jacobian(self, metrics, node):
-        """det(D x) of a node, after `find_volumes`."""
-        return self.volume[node]
+        """Find det D x, after `move`."""
+        self.rows.run(self.rows.kernels.volumes, self.flat, self.volume, self.rows.P)
 
 
-class Line(Grid):
-    """A grid in one dimension."""
+class Flat(Grid):
+    """A grid in one or two dimensions. flat: x."""
 
     def prepare(self, wide: Wide, faces: Any) -> None:
-        self.slope = np.ascontiguousarray(wide.gradients()[0, 0])
+        self.rows, self.flat = Rows(wide, wide.where), self.x
 
     def edge(self, known, metrics):
         self.hull.fill(self.hull.moved, known, 0)
-        metrics[0, :] = 1.0
-
-    def jacobian(self, metrics, node):
-        return self.slope[node] + (self.hull.moved[0, -1] - self.hull.moved[0, 0])
-
-
-class Plane(Grid):
-    """A flat grid in two dimensions. slopes: (4, N), D_1 X and D_2 X. along, across: the faces
-    along both axes. corners: columns of the four vertices, if there are any, vertices: (4, 2)
-    values there; rise: (2, n) the bracket of D_2 u.
-    """
-
-    order = "10"
-
-    def prepare(self, wide: Wide, faces: Any) -> None:
-        self.slopes = np.ascontiguousarray(wide.gradients().reshape(4, -1))
-        self.along, self.across = (self.faces_along(wide, axis) for axis in (0, 1))
-        corners = self.blend.axes[1].columns[:, [0, -1]] if len(self.blend.order) == 2 else ()
-        self.corners, self.vertices = np.array(corners, int).ravel(), np.zeros((4, 2))
-        self.rise = np.zeros((2, self.range.sizes[0]))
-
-    def faces_along(self, wide: Wide, axis: int) -> SimpleNamespace:
-        """Faces along an axis: columns (2, n) of the hull, if there are any, the band of the axis,
-        the first node of the range, ends: (2, n) weights of the ends of the axis; f, slope: (4, n)
-        values and derivatives by side and component.
-        """
-        own, opposite = self.blend.axes[axis], self.blend.axes[1 - axis]
-        n, first, begin = wide.sizes[axis], self.wide.first[axis], self.range.first[axis]
-        ends = np.zeros((2, n)) if own is None else own.weights[:, 0, begin:]
-        columns = np.zeros((0, n), int) if opposite is None else opposite.columns
-        return SimpleNamespace(
-            columns=columns[:, first : first + n].copy(),
-            S=wide.S[axis],
-            weight=wide.weight[axis],
-            first=begin - first,
-            ends=ends[:, : self.range.sizes[axis]].copy(),
-            f=np.zeros((4, n)),
-            slope=np.zeros((4, n)),
-        )
-
-    def edge(self, known, metrics):
-        """Fill a^1 = (D_2 y, -D_2 x) and a^2 = (-D_1 y, D_1 x)."""
-        self.hull.fill(self.hull.moved, known, 0)
-        self.differentiate_faces(self.hull.moved)
-        along, across, like, of_row = self.along, self.across, self.like, self.across.ends
-        at_00, at_10, at_01, at_11 = (row(like, self.vertices, k) for k in range(4))
-        for j in each(of_row.shape[1]):
-            (low, high), at = (of_row[0, j], of_row[1, j]), across.first + j
-            (W, E), (D_W, D_E) = pair(across.f, at), pair(across.slope, at)
-            start, stop = mixed(low, at_00, high, at_01), mixed(low, at_10, high, at_11)
-            rise = sub(sub(E, W), sub(stop, start))
-            for i in each(n := along.ends.shape[1], vector=True):
-                at, (D_S, D_N) = j * n + i, pair(along.slope, along.first + i)
-                x_1, y_1 = add(mixed(low, D_S, high, D_N), rise)
-                of_axis_2 = mixed(along.ends[0, i], D_W, along.ends[1, i], D_E)
-                x_2, y_2 = add(column(like, self.rise, i), of_axis_2)
-                X_1, Y_1, X_2, Y_2 = column((0.0,) * 4, self.slopes, at)
-                metrics[:4, at] = Y_2 + y_2, -(X_2 + x_2), -(Y_1 + y_1), X_1 + x_1
-
-    def differentiate_faces(self, values):
-        """Find values (2, H) of the hull at faces and vertices, derivatives along faces, and the
-        bracket of D_2 u.
-        """
-        for faces in self.along, self.across:
-            for r in each(2 * faces.columns.shape[0]):
-                for i in each(faces.f.shape[1], vector=True):
-                    faces.f[r, i] = values[r % 2, faces.columns[r // 2, i]]
-            slopes_along(faces.slope.reshape(-1), faces.f.reshape(-1), faces.S, faces.weight)
-        for corner in each(self.corners.shape[0]):
-            self.vertices[corner, :] = column(self.like, values, self.corners[corner])
-        along, ends, at = self.along, self.along.ends, self.vertices
-        for c in range(2):
-            at_low, at_high = at[2, c] - at[0, c], at[3, c] - at[1, c]
-            for i in each(ends.shape[1], vector=True):
-                between, n = ends[0, i] * at_low + ends[1, i] * at_high, along.first + i
-                self.rise[c, i] = exact((along.f[2 + c, n] - along.f[c, n]) - between)
-
-    def jacobian(self, metrics, node):
-        x, y, z, t = (metrics[k, node] for k in range(4))
-        return exact(x * t - y * z)
-
-
-def mixed(l, a, h, b):
-    """l a + h b."""
-    return exact(add(scale(l, a), scale(h, b)))
-
-
-def pair(f, at):
-    """Values at both ends, which opposite faces have of a node."""
-    return column((0.0, 0.0), f, at), column((0.0, 0.0), f, at, 2)
+        self.blend.fill(self.hull.moved, self.x, self.wide, self.y)
+        self.rows.run(self.rows.kernels.metrics, self.x, metrics, self.rows.P)
 
 
 class Cube(Grid):
-    """A grid in three dimensions. y: (3, W), of a Wide; x, moved: (3, W) places less those of
-    linear maps, volume: (N,) det D x. ahead, back: (9, N) a^k on faces at constraints if nodes go
-    on with their velocity for 1 s, and where they were 1 s before. address, kept: see `cube_of`.
+    """A grid in three dimensions. moved: (3, W), ahead, back: (9, N) a^k on faces at constraints if
+    nodes go on with their velocity for 1 s, and where they were 1 s before. rows: curls of the
+    range and of these faces.
     """
 
     def prepare(self, wide: Wide, faces: Any) -> None:
-        self.y, (self.x, self.moved) = wide.y, zeros((2, *wide.y.shape))
-        self.volume = np.zeros(int(np.prod(self.range.sizes)))
-        self.ahead, self.back = np.zeros((2, 9, self.volume.size))
-        self.address, self.kept = cube_of(wide, faces)
+        self.rows, self.flat = Curls(wide, faces), self.x
+        self.moved = aligned(wide.y.size).reshape(wide.y.shape)
+        self.ahead, self.back = np.zeros((2, 9, self.rows.nodes))
 
     def edge(self, known, metrics):
         self.hull.fill(self.hull.moved, known, 0)
         for c in range(3):
             put_on_faces(self.x[c], self.wide.faces, self.hull.moved[c], self.y[c])
-        invoke("cube_faces", self.address, self.x, metrics)
+        self.rows.find(self.x, metrics, 1, self.rows.only.size)
 
     def move(self, metrics):
         self.blend.fill(self.hull.moved, self.x, self.wide, self.y)
-        invoke("cube_areas", self.address, self.x, metrics)
+        self.rows.find(self.x, metrics, 0, 1)
 
     def turn(self):
         """Find ahead and back, after `swing`."""
         for sign, areas in ((1.0, self.ahead), (-1.0, self.back)):
             for c in range(3):
                 put_on_faces(self.moved[c], self.wide.faces, self.hull.moving[c], self.x[c], sign)
-            invoke("cube_faces", self.address, self.moved, areas)
-
-    def find_volumes(self):
-        invoke("cube_volumes", self.address, self.x, self.volume)
+            self.rows.find(self.moved, areas, 1, self.rows.only.size)
 
 
 class Radial(Grid):
     """A grid around an axis or a centre.
 
-    y, P, S, weight, inner: of a Wide; before: nodes of faster axes between neighbours along each
-    axis. x, v: (d, W) places and velocities. area: (W,) A. flat: (d, W) z and
-    s, or w, b, slopes: (d d, W), slope: (W,) room. source, volume: (N,) S and J; turning: (d d, N)
-    d a^k/dt in two dimensions; bounds: (d d + d + 1, N) metrics by which steps are bounded.
+    inner: numbers of the range in the Wide, every: all its rows. v: (d, W) velocities. area: (W,)
+    A. flat: (d, W) z and s, w: their rates, through: A b^k_2 of each axis. b: (d d, W). source:
+    (N,) S; turning: (d d, N) d a^k/dt in two dimensions; bounds: (d d + d + 1, N) metrics by which
+    steps are bounded.
     """
 
     def prepare(self, wide: Wide, faces: Any) -> None:
-        (d, W), self.before = wide.y.shape, (1, *wide.sizes[:-1])
-        self.inner = wide.inner(np.arange(W))
-        self.y, self.P, self.S, self.weight = wide.y, wide.P, wide.S, wide.weight
-        self.area, self.slope = np.zeros((2, W))
-        self.x, self.v, self.flat = np.zeros((3, d, W))
-        self.b, self.slopes = np.zeros((2, d * d, W))
-        self.source, self.volume = np.zeros((2, self.inner.size))
-        self.turning = np.zeros((d * d, self.inner.size))
+        d, W = wide.y.shape
+        self.rows, self.every = Rows(wide, wide.where), Rows(wide, wide.wide)
+        self.inner, self.area = wide.inner(np.arange(W)), np.zeros(W)
+        self.flat, self.w, self.through = (aligned(d * W).reshape(d, W) for _ in range(3))
+        self.v, self.b, self.still = np.zeros((d, W)), np.zeros((d * d, W)), np.zeros((d, d))
+        self.source, self.turning = np.zeros(self.inner.size), np.zeros((d * d, self.inner.size))
         self.bounds = np.zeros((d * d + d + 1, self.inner.size))
 
     def edge(self, known, metrics):
-        """Complete x, find A and flat, and fill a^k, A, source, volume."""
+        """Complete x, find A and flat, and fill a^k, A, source."""
         self.hull.fill(self.hull.moved, known, 0)
-        d, kappa, area, slopes = len(self.like), len(self.hoops), self.area, self.slopes
-        last, entries, inner = d - 1, (0.0,) * d * d, self.inner
+        d, kappa, area, kernels = len(self.like), len(self.hoops), self.area, self.rows.kernels
         self.blend.fill(self.hull.moved, self.x, self.wide, self.y)
         for n in each(area.size, vector=True):
             *z, r = column(self.like, self.x, n)
             area[n] = A = abs(r) if kappa == 1 else r * r
             self.flat[:, n] = (*z, A * r / (kappa + 1.0))
-        self.differentiate_flat()
+        self.every.run(kernels.metrics, self.flat, self.b, self.rows.P)
         for n in each(area.size, vector=True):
             for k in range(d):
-                for c in range(last):
-                    slopes[k * d + c, n] += self.P[k, c]
-            self.b[:, n] = cofactor(column(entries, slopes, n))
-        for i in each(inner.size, vector=True):
-            n = inner[i]
-            self.source[i] = 0.0
-            self.volume[i] = exact(determinant(column(entries, slopes, n)))
+                self.through[k, n] = area[n] * self.b[k * d + d - 1, n]
+        self.rows.run(kernels.divergences, self.through, self.source, self.still)
+        for i in each(self.inner.size, vector=True):
+            n = self.inner[i]
             metrics[d * d + d, i] = area[n]
             for m in range(d * d):
-                metrics[m, i] = self.b[m, n] * (area[n] if m % d == last else 1.0)
-        for k in range(d):
-            through = self.flat[0]
-            for n in each(area.size, vector=True):
-                through[n] = area[n] * self.b[k * d + last, n]
-            self.differentiate(k, self.slope, through)
-            for i in each(inner.size, vector=True):
-                self.source[i] += self.slope[inner[i]]
+                metrics[m, i] = self.b[m, n] * (area[n] if m % d == d - 1 else 1.0)
 
     def swing(self, known, metrics):
         """Velocity of the grid, and turning."""
         self.hull.fill(self.hull.moving, known, len(self.like))
         d, kappa, v, area = len(self.like), len(self.hoops), self.v, self.area
-        last, entries = d - 1, (0.0,) * d * d
         self.blend.fill(self.hull.moving, v, self.wide)
         for i in each(self.inner.size, vector=True):
             metrics[d * d : d * d + d, i] = column(self.like, v, self.inner[i])
@@ -288,15 +164,13 @@ class Radial(Grid):
             return
         for n in each(area.size, vector=True):
             *v_z, v_r = column(self.like, v, n)
-            self.flat[:, n] = (*v_z, v_r * area[n])
-        self.differentiate_flat()
+            self.w[:, n] = (*v_z, v_r * area[n])
+        self.rows.run(self.rows.kernels.metrics, self.w, self.turning, self.still)
         for i in each(self.inner.size, vector=True):
             n = self.inner[i]
-            slopes, b = column(entries, self.slopes, n), column(entries, self.b, n)
-            spread = kappa * area[n] / self.x[last, n] * v[last, n]
-            for m, turned in enumerate(cofactor(slopes)):
-                more = exact(area[n] * turned + spread * b[m])
-                self.turning[m, i] = more if m % d == last else turned
+            spread = kappa * area[n] / self.x[d - 1, n] * v[d - 1, n]
+            for m in range(d - 1, d * d, d):
+                self.turning[m, i] = exact(area[n] * self.turning[m, i] + spread * self.b[m, n])
 
     def bound(self, metrics):
         """Fill bounds: metrics, a^k times 1/2 (1 + the largest A of the node and those beside it
@@ -306,7 +180,7 @@ class Radial(Grid):
         for m in each(copied.size, vector=True):
             bounds.reshape(-1)[m] = copied[m]
         for k in range(d):
-            step, length = 1 if k == 0 else self.before[k], self.weight[k].shape[0]
+            step, length = self.rows.sizes[0] if k else 1, self.rows.sizes[k]
             for i in each(self.inner.size, vector=True):
                 n = self.inner[i]
                 at, here = n // step % length, area[n]
@@ -316,26 +190,12 @@ class Radial(Grid):
                 for c in range(d):
                     bounds[k * d + c, i] *= 0.5 * (1.0 + largest / here)
 
-    def differentiate(self, k, out, f):
-        """out = D_k f, both (W,)."""
-        if k == 0:
-            slopes_along(out, f, self.S[k], self.weight[k])
-        else:
-            slopes_across(out, f, self.S[k], self.weight[k], self.before[k])
-
-    def differentiate_flat(self):
-        """slopes: D_k of both components of flat."""
-        d = len(self.like)
-        for k in range(d):
-            for c in range(d):
-                self.differentiate(k, self.slopes[k * d + c], self.flat[c])
-
 
 def grid_of(
     problem: BlockProblem, k: int, order: int, where: Range, nodes: Array, faces: Any
 ) -> tuple[Grid, Array]:
     """The `Grid` of a range of nodes of gas block k (of a rank: the ghosted), and its metrics."""
     d, around = problem.dimension, problem.symmetry > 0
-    wide, kind = Wide(problem, k, order, where), Radial if around else (Line, Plane, Cube)[d - 1]
+    wide, kind = Wide(problem, k, order, where), Radial if around else (Flat, Flat, Cube)[d - 1]
     size = int(np.prod([end - begin for begin, end in where]))
     return kind(problem, k, wide, nodes, faces), zeros((d * d + d + around, size))

@@ -191,18 +191,16 @@ def put_on_faces(out, faces, values, base=None, sign=1.0):
         out[n] = value if base is None else base[n] + value
 
 
-def blend_of(
-    block: Block, wide: Wide, nodes: Array, order: str, centred: bool
-) -> tuple[Blend, Window, Window]:
+def blend_of(block: Block, wide: Wide, nodes: Array, centred: bool) -> tuple[Blend, Window, Window]:
     """The blend of the nodes of a Wide, and the windows of all of them and of its own range. nodes:
-    of the hull. order: of all axes. centred: the block goes to r = 0.
+    of the hull. centred: the block goes to r = 0.
     """
     d, shape, index = block.dimension, block.shape, []
     for n, (begin, end), closed in zip(shape, wide.wide, block.periodic):
         i = np.arange(begin, end)
         index.append(i if closed else np.unique([0, *i[i >= 0], n - 1]))
     axes: list[BlendAxis | None] = [None] * 3
-    order = "".join(k for k in order if int(k) < d and not block.periodic[int(k)])
+    order = "".join(str(k) for k in range(d) if not block.periodic[k])
     for k in map(int, order):
         faces = [[*index[:k], np.array([end]), *index[k + 1 :]] for end in (0, shape[k] - 1)]
         numbers = [np.ravel_multi_index(mesh(at), shape, "wrap", "F").ravel() for at in faces]

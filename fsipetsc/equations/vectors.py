@@ -43,6 +43,10 @@ def mean(a: Vector, b: Vector) -> Vector:
     return tuple(0.5 * (p + q) for p, q in zip(a, b, strict=True))
 
 
+def cross(a: Vector, b: Vector) -> Vector:
+    return tuple(a[i] * b[j] - a[j] * b[i] for i, j in ((1, 2), (2, 0), (0, 1)))
+
+
 def along(a: Vector, c: Any, b: Vector) -> Vector:
     return tuple(p + c * q for p, q in zip(a, b, strict=True))
 

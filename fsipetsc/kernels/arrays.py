@@ -27,7 +27,9 @@ def zeros(shape: Any) -> Array:
 
 
 def aligned(size: int) -> Array:
-    """(size,) zeros that begin at a multiple of 64 bytes, as vector loads like it."""
-    raw = np.zeros(size + 8)
-    first = -raw.ctypes.data // 8 % 8
+    """(size,) zeros that begin at a multiple of 64 bytes, as vector loads like it; eight numbers
+    before and after them may be read.
+    """
+    raw = np.zeros(size + 24)
+    first = 8 + -raw.ctypes.data // 8 % 8
     return raw[first : first + size]

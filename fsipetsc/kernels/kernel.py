@@ -100,7 +100,9 @@ class Kernel:
     @cached_property
     def text(self) -> str:
         """The function in C."""
-        record, values = without_halves([symbol for _, symbol in self._stores])
+        record, values = self.record, [symbol for _, symbol in self._stores]
+        if not record.exact:
+            record, values = without_halves(values)
         stores = [Line(f"{place} {{}};", (v,)) for (place, _), v in zip(self._stores, values)]
         before = [symbol for symbol in record.symbols if symbol.uniform]
         within = [symbol for symbol in record.symbols if not symbol.uniform]

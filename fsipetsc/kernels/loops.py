@@ -250,11 +250,3 @@ class Array:
             form, terms = part._first()
             value = recording().constant(value, self._base.kind == "long *")
             recording().store(f"{{}}[{form}]", self._base, *terms, value)
-
-
-def invoke(name: str, address: Any, *arrays: Array) -> None:
-    """Call a function in C of the same translation unit with an address, a whole number, and the
-    pointers to the first numbers of arrays.
-    """
-    recording().line(f"{name}((void *){', '.join(['{}'] * (1 + len(arrays)))});", address, *arrays)
-    recording().stores += 1

@@ -48,22 +48,6 @@ class Band(NamedTuple):
         chosen = np.arange(begin, end) % len(self.weight)
         return Band(np.ascontiguousarray(self.S[:, chosen]), self.weight[chosen])
 
-    def interior(self, pairs: int) -> tuple[int, int]:
-        """First node and first beyond of those around the middle that have so many pairs on each
-        side, the same on both sides and for all; equal numbers if there are none.
-        """
-        n, wanted = len(self.weight), self.S[:, len(self.weight) // 2]
-        differs = self.weight != self.weight[n // 2]
-        for k in range(1, min(self.reach + 1, n)):
-            of_pairs = np.pad(self.S[k, : n - k], k)  # those of node i: with i - k, with i + k
-            differs |= (of_pairs[:n] != wanted[k]) | (of_pairs[k:] != wanted[k])
-        has = wanted[1:] != 0.0
-        if differs[n // 2] or not has[:pairs].all() or has[pairs:].any() or pairs > self.reach:
-            return n // 2, n // 2
-        ends = np.flatnonzero(differs)
-        below, above = ends[ends < n // 2], ends[ends > n // 2]
-        return int(below.max(initial=-1)) + 1, int(above.min(initial=n))
-
 
 #: an axis that is not there: one node, no pairs
 NO_AXIS = Band(np.zeros((1, 1)), np.ones(1))

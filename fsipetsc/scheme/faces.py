@@ -24,7 +24,7 @@ from fsipetsc.blocks.face_formulas import FaceNode
 from fsipetsc.equations.tensors import add_unit, outer
 from fsipetsc.equations.vectors import add, along, dot, last_times, per, scale
 from fsipetsc.kernels.arrays import column, row
-from fsipetsc.kernels.loops import each, invoke, variable, when
+from fsipetsc.kernels.loops import each, variable, when
 from fsipetsc.kernels.symbols import exact
 from fsipetsc.scheme.part import area, gas_at, moving
 
@@ -133,16 +133,16 @@ def turn_face(face, q, normal):
     now. They have the curl form, with derivatives within the face only, and the bits that a gas
     there has.
 
-    face: address: of its Cube (fsipetsc.blocks.metrics); x: (3, W) places less those of linear
-    maps, y: (3, W) these at rest, at: (W,) the nodes; areas: (9, n), of which rows from ``row`` on
-    are filled. sign: of the outward normal. begin, nodes: which nodes of the faces it has, perhaps
-    none on this rank.
+    face: curls: of it (fsipetsc.blocks.area_vectors); x: (3, W) places less those of linear maps,
+    y: (3, W) these at rest, at: (W,) the nodes; areas: (9, n), of which rows from ``row`` on are
+    filled. sign: of the outward normal. begin, nodes: which nodes of the faces it has, perhaps none
+    on this rank.
     """
     like = (0.0,) * 3
     with when(face.nodes > 0):
         for i in each(face.at.shape[0]):
             face.x[:, i] = add(column(like, face.y, i), row(like, q, face.at[i]))
-        invoke("cube_faces", face.address, face.x, face.areas)
+        face.curls.find(face.x, face.areas, 1, 2)
         for i in each(face.nodes):
             area = column(like, face.areas, i, face.row)
             normal[face.begin + i] = scale(face.sign, area)

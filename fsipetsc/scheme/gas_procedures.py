@@ -89,7 +89,7 @@ def find_volumes(part):
     """Find J of the grid at the owned nodes."""
     part.grid.find_volumes()
     for i in each(part.J.shape[0]):
-        part.J[i] = part.grid.jacobian(part.metrics, ghosted_node(i, part.patch))
+        part.J[i] = part.grid.volume[ghosted_node(i, part.patch)]
 
 
 def begin_grid(part):
@@ -130,7 +130,7 @@ def seen_at(part, q, metrics, own, n):
         squares = squares + size
     convection = convection * per_J
     diffusion = STIFFNESS_OF_WIDE * gas.diffusivity(w) * (squares * per_J * per_J)
-    J, of_map = part.grid.jacobian(part.metrics, n), part.reference[own]
+    J, of_map = part.grid.volume[n], part.reference[own]
     positive = np.minimum(np.minimum(w[0], w[2]), here[0]) > 0.0
     apart = abs(here[0] - J) / abs(J)
     known = (convection < np.inf) & (diffusion < np.inf) & (apart < np.inf)  # so are the places

@@ -10,14 +10,10 @@ fsipetsc.equations.gas.
 
 The flux of a pair is computed once and added to both of its nodes. The sum of the lower node
 belongs to the row at work; that of the upper node waits in a row of its own. The fluxes reach a
-node in an order that does not depend on how a block is cut, so neither do the bits of its rate.
-Layers are loaded when they are needed: few rows are at work, and fit into the fastest memory. A row
-has the primitive variables w of its nodes and, in viscous gases, J and the fluxes a^k . f_v of each
-axis k. The kernels are at the end.
+node in an order that does not depend on how a block is cut, so neither do the bits of its rate. The
+kernels are at the end.
 """
 
-from functools import partial
-from itertools import product
 from types import SimpleNamespace
 from typing import Any
 
@@ -28,36 +24,17 @@ from fsipetsc.equations.gas import NEAR
 from fsipetsc.equations.tensors import outer
 from fsipetsc.equations.vectors import add, along, mean, scale, sub
 from fsipetsc.kernels.arrays import aligned
-from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel, floats_of
-from fsipetsc.kernels.loops import each, pick, when
-from fsipetsc.operators.bands import Band, Patch
+from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel
+from fsipetsc.kernels.loops import each, when
+from fsipetsc.operators.bands import Patch
+from fsipetsc.operators.slopes import Near, kinds, slope
 from fsipetsc.scheme.gas_terms import Form
-from fsipetsc.scheme.sweep import KINDS, Sweep, in_order, kept, order, pieces, store
+from fsipetsc.scheme.sweep import KINDS, Sweep, in_order, kept, order, store
 
-#: most nodes of a tile along the first axis, by dimension; in three most rows along the second one
-TILES, DEPTH = {1: 232, 2: 136, 3: 72}, 8
-#: nodes beside a tile that it reaches, at most
-MARGIN = 24
+#: most nodes of a tile along the first axis, and most rows, for d = 1, 2, 3
+TILES = ((232, 1), (136, 1), (72, 8))
 #: zeros between two nodes with pairs of one distance that make two spans of them
 GAP = 16
-
-
-def _weights(band: Band) -> tuple[Array, Array, Array]:
-    """S, gain and loss of an axis."""
-    reach, n = len(band.S) - 1, len(band.weight)
-    found = np.zeros((3, reach + 1, n + 2 * MARGIN))
-    for k in range(1, min(reach + 1, n)):
-        S = band.S[k, : n - k]
-        found[:, k, MARGIN : MARGIN + n - k] = S, S / band.weight[k:], S / band.weight[: n - k]
-    return tuple(found)
-
-
-def _tiles(d: int, patch: Patch) -> Array:
-    """Tiles of the owned nodes: (n, 4) first node and first beyond, of two axes."""
-    inner, deep = (1, DEPTH) if d == 3 else (2, 1)
-    of_rows = pieces(patch.first[inner], patch.own[inner], deep, deep)
-    of_nodes = pieces(patch.first[0], patch.own[0], TILES[d], 8)
-    return np.array([(*x, *y) for y, x in product(of_rows, of_nodes)])
 
 
 def _spans(S: Array, begin: int, end: int) -> Array:
@@ -75,46 +52,28 @@ def _spans(S: Array, begin: int, end: int) -> Array:
 
 
 class GasSweep(Sweep):
-    """The sweep of a part of a block: its data, beside the record of the part, and what is recorded
-    of a tile. bands: of the ghosted nodes along three axes.
+    """The sweep of a part of a block. A row has the primitive variables w of its nodes, and sums of
+    upper nodes of pairs; in a viscous gas J, too, the entropy variables z whose derivatives are
+    taken, and the fluxes s = a^k . f_v of each axis k.
 
-    p: parameters of the kernels. steps: (n, 2) stages and layers (fsipetsc.scheme.sweep.order).
-    tiles, spans: see `_tiles`, `_spans`. S, gain, loss: of each axis (1 + reach, n + 2 MARGIN)
-    weights of pairs by distance and lower node, these over the weight of the upper and of the lower
-    node; zeros at the ends. per_weight: 1 over the weights along the first axis.
-
-    layers, depth, before: so many layers of so many rows are kept, with rows before the tile's;
-    width: how many numbers a row has room for.
-    rows, high: of all these the numbers of nodes, and the sums of upper nodes of pairs. low, slope,
-    of_pair: of the row at work the sums of lower nodes, D_k z, and gain and loss of one distance.
-
-    potential: (N,) Phi of the ghosted nodes, where a constant force acts pair by pair; supplied:
-    (M (d + 1),) the force on each owned node and room for a power, interlaced, over the node's
-    weight (fsipetsc.scheme.gas_terms); else (0,).
+    steps: (n, 2) stages and layers (fsipetsc.scheme.sweep.order). spans: see `_spans`. low: (sums,
+    ROW) sums of lower nodes of the row at work. per_weight: 1 over the weights along the first
+    axis. potential: (N,) Phi of the ghosted nodes, where a constant force acts pair by pair;
+    supplied: (M (d + 1),) the force on each owned node and room for a power, interlaced, over the
+    node's weight (fsipetsc.scheme.gas_terms); else (0,).
     """
 
     def __init__(self, gas: Any, d: int, kernels: Any, bands: Any, patch: Patch) -> None:
-        self.kernels, self.p = kernels, np.array([*floats_of(gas), 0.0])
-        far = 1 + kernels.viscous
-        x, inner, last = in_order(bands, d)
-        _, _, n = in_order(patch.ghosted, d)
-        _, _, begin = in_order(patch.first, d)
-        first = max(begin - last.reach, 0)
-        loaded = max(first - (far - 1) * last.reach, 0), n
-        ranges = loaded, *([(first, n)] * (far - 1)), (first, begin + in_order(patch.own, d)[2])
-        self.steps = order(last.S, ranges)
-        self.tiles = _tiles(d, patch)
+        far, numbers = 1 + kernels.viscous, {"w": kernels.numbers, "high": kernels.sums}
+        if kernels.viscous:
+            numbers |= {"z": d + 1, "s": d * (d + 1)}
+        self.prepare(gas, d, kernels, bands, patch, TILES[d - 1], far, far, numbers)
+        x, _, last = in_order(bands, d)
+        *others, (begin, _), (_, end) = self.ranges
+        self.steps = order(last.S, (*others, self.ranges[-2], (begin, end)))
         self.spans = _spans(x.S, patch.first[0], patch.first[0] + patch.own[0])
-        self.S, self.gain, self.loss = zip(*map(_weights, bands[:d]), strict=True)
-        self.per_weight = 1.0 / x.weight
-        self.layers, self.before = far * last.reach + 1, far * inner.reach
-        self.depth, self.width = (DEPTH if d == 3 else 1) + 2 * self.before, TILES[d] + 2 * MARGIN
-        kept, sums = self.layers * self.depth, kernels.sums
-        shapes = (kept, kernels.numbers), (kept, sums), (sums,), (d * (d + 1),), (2,)
-        self.rows, self.high, self.low, self.slope, self.of_pair = (
-            aligned(int(np.prod(shape)) * self.width).reshape(*shape, self.width)
-            for shape in shapes
-        )
+        self.per_weight, self.low = 1.0 / x.weight, aligned(kernels.sums * self.width)
+        self.low = self.low.reshape(kernels.sums, self.width)
         raised = int(kernels.raises)
         self.potential = np.zeros(raised * int(np.prod(patch.ghosted)))
         self.supplied = np.zeros(raised * int(np.prod(patch.own)) * (d + 1))
@@ -124,200 +83,123 @@ class GasSweep(Sweep):
         f; y, q: planes of the owned nodes, and of all with a halo.
         """
         self.begin(part, found, y, q, f)
-        self.reach = in_order([part.axes[k, 0] for k in range(3)], self.d)
         self.weight = in_order([part.weight[k] for k in range(3)], self.d)
-        stages = self.load, *([self.find_viscous] * self.kernels.viscous), self.rates
-        for t in each(self.tiles.shape[0]):
-            self.x0, self.x1, self.y0, self.y1 = (self.tiles[t, c] for c in range(4))
-            self.n = self.x1 - self.x0
-            for s in each(self.steps.shape[0]):
-                stage, layer = self.steps[s, 0], self.steps[s, 1]
-                for number, do in enumerate(stages):
-                    with when(stage == number):
-                        do(layer)
+        far = 1 + self.kernels.viscous
+        viscous = [(self.find_viscous, 1, 1)] * self.kernels.viscous
+        self.take(self.steps, ((self.load, 0, 0), *viscous, (self.rates, far, far - 1)))
 
-    def row(self, rows, layer, j):
-        """Row j of a layer in an array of rows that are kept."""
-        return rows[layer % self.layers * self.depth + (j - self.y0 + self.before)]
+    def load(self, x, n, y, z):
+        """Find the variables of nodes, and clear their sums."""
+        for begin, count, q, N in self.loaded(x, n, y, z):
+            self.kernels.load(count, **{**self.given(begin, y, z), "q": q, "N": N})
 
-    def at(self, x):
-        """Where the node x is in a row."""
-        return x - self.x0 + MARGIN
+    def find_viscous(self, x, n, y, z):
+        """Find the viscous fluxes, of nodes inside of a block with a kernel of its own."""
+        for begin, count, kind in kinds(x, n, y, z, self.inside):
+            self.kernels.viscous_fluxes[kind](count, **self.given(begin, y, z))
 
-    def longer(self, more):
-        """Where a row begins that is longer than the tile on both sides, and how many nodes it has;
-        it ends where the grid does.
+    def rates(self, x, n, y, z):
+        """Add the fluxes of the pairs that begin in a row, from one before the tile on, and store
+        its rates if it is the tile's own.
         """
-        begin = np.maximum(self.x0 - more, 0)
-        return begin, np.minimum(self.x1 + more, self.sizes[0]) - begin
+        self.low[:, self.margin : self.margin + n] = 0.0
+        of_layer, of_tile = z >= self.first[2], y >= self.first_row
+        if self.d == 3:
+            with when(of_layer):
+                self.across(1, x, n, y, z)
+        with when(of_tile):
+            if self.d > 1:
+                self.across(2, x, n, y, z)
+            with when(of_layer):
+                self.along(x, n, y, z)
+                self.store(x, n, y, z)
 
-    def beside(self, more):
-        """A loop over the rows of the tile and so many beside it."""
-        begin, end = np.maximum(self.y0 - more, 0), np.minimum(self.y1 + more, self.sizes[1])
-        return each(begin, end)
-
-    def is_owned(self, layer, around=0):
-        """Whether a layer is owned, or so many beside such layers."""
-        return (layer >= self.first[2] - around) & (layer < self.end[2] + around)
-
-    def load(self, layer):
-        """Find the primitive variables of the rows of a layer that the tile reads; clear their
-        sums.
-        """
-        viscous = self.kernels.viscous
-        reach_x, reach_y, reach_z = self.reach
-        far, beside = 1 + viscous, viscous * reach_y
-        within = self.is_owned(layer, viscous * reach_z)
-        for j in self.beside(pick(within, far * reach_y, 0)):
-            whole = within & (j >= self.y0 - beside) & (j < self.y1 + beside)
-            begin, n = self.longer(pick(whole, far * reach_x, 0))
-            row = self.row(self.rows, layer, j)
-            for x, count, q, N in self.loaded(begin, begin + n, j, layer):
-                self.kernels.load(count, q=q, N=N, w=row[0, self.at(x) :], p=self.p)
-            self.row(self.high, layer, j)[:, MARGIN : MARGIN + self.n] = 0.0
-
-    def find_viscous(self, layer):
-        """Find the viscous fluxes of the rows of a layer that pairs with owned nodes take."""
-        owned, areas = self.is_owned(layer), self.part.metrics
-        for j in self.beside(pick(owned, self.reach[1], 0)):
-            within = owned & (j >= self.y0) & (j < self.y1)
-            x, n = self.longer(pick(within, self.reach[0], 0))
-            self.find_slopes(layer, j, x, n)
-            row, at = self.row(self.rows, layer, j), self.at(x)
-            place = self.ghosted_at(x, j, layer)
-            given = {"w": row[0, at:], "s": row[self.d + 6, at:], "slope": self.slope[0, at:]}
-            self.kernels.viscous_fluxes(n, a=areas[0, place:], N=self.N, p=self.p, **given)
-
-    def find_slopes(self, layer, j, x, n):
-        """Find D_k z of a row for each axis k."""
-        d, at, here = self.d, self.at(x), self.row(self.rows, layer, j)
-        run = partial(self.kernels.slope, n, here=here[0, at:], p=self.p)
-        self.slope[:, at : at + n] = 0.0
-        for k in each(1, self.reach[0] + 1):
-            before, after = self.gain[0][k, x - k + MARGIN :], self.loss[0][k, x + MARGIN :]
-            near = {"below": here[0, at - k :], "above": here[0, at + k :]}
-            run(before=before, after=after, slope=self.slope[0, at:], **near)
-        for m in range(1, d):
-            sweep = m == d - 1
-            i = layer if sweep else j
-            for k in each(1, self.part.axes[m, 0] + 1):
-                before, after = self.gain[m][k, i - k + MARGIN], self.loss[m][k, i + MARGIN]
-                with when((before != 0.0) | (after != 0.0)):
-                    of_pair, near = self.of_pair, {}
-                    of_pair[0, :n], of_pair[1, :n] = before, after
-                    for name, to, weight in ("below", -k, before), ("above", k, after):
-                        to = pick(weight != 0.0, to, 0)
-                        row = (layer + to, j) if sweep else (layer, j + to)
-                        near[name] = self.row(self.rows, *row)[0, at:]
-                    slope = self.slope[m * (d + 1), at:]
-                    run(before=of_pair[0], after=of_pair[1], slope=slope, **near)
-
-    def rates(self, layer):
-        """Add the fluxes of the pairs that begin in a layer, and store its rates if it is owned."""
-        owned = layer >= self.first[2]
-        begin = np.maximum(self.y0 - self.reach[1], 0)
-        for j in each(pick(owned, begin, self.y0), self.y1):
-            self.low[:, MARGIN : MARGIN + self.n] = 0.0
-            if self.d == 3:
-                with when(owned):
-                    self.across(layer, j, False)
-            with when(j >= self.y0):
-                if self.d > 1:
-                    self.across(layer, j, True)
-                with when(owned):
-                    self.along(layer, j)
-                    self.store(layer, j)
-
-    def across(self, layer, j, sweep):
-        """Add the pairs of row j of a layer with rows farther on: of other layers if it is a sweep,
-        else of the same layer.
-        """
-        axis, i, number = (self.d - 1, layer, 2) if sweep else (1, j, 1)
-        S, x0 = self.part.S[axis], self.x0
-        stride = self.sizes[0] if axis == 1 else self.sizes[0] * self.sizes[1]
-        beside = self.weight[1][j] if sweep else self.weight[2][layer]
+    def across(self, number, x, n, y, z):
+        """Add the pairs of a row with rows farther on, of the same layer or of others."""
+        axis, i, at_rest = (1, y, z) if number == 1 else (self.d - 1, z, y)
+        first = self.first_row if number == 1 else self.first[2]
+        beside, S = self.weight[3 - number][at_rest], self.part.S[axis]
         for k in each(1, np.minimum(self.part.axes[axis, 0] + 1, self.sizes[number] - i)):
             s = S[k, i]
-            with when((s != 0.0) & (i + k >= self.first[number])):
-                to = (layer + k, j) if sweep else (layer, j + k)
-                rows = self.row(self.rows, layer, j), self.row(self.rows, *to)
-                place = self.ghosted_at(x0, j, layer)
-                of_node, high = self.weight[0][x0:], self.row(self.high, *to)
-                ends = (MARGIN, place), (MARGIN, place + k * stride)
-                self.pairs(axis, rows, ends, s * beside, of_node, high, self.n)
+            with when((s != 0.0) & (i + k >= first)):
+                to = (x, y + k, z) if number == 1 else (x, y, z + k)
+                self.pairs(axis, (x, y, z), to, s * beside, self.weight[0][x:], n)
 
-    def along(self, layer, j):
-        """Add the pairs along row j of a layer."""
-        row = self.row(self.rows, layer, j)
-        of_row, high = self.weight[1][j] * self.weight[2][layer], self.row(self.high, layer, j)
+    def along(self, x, n, y, z):
+        """Add the pairs along a row."""
+        of_row = self.weight[1][y] * self.weight[2][z]
         for m in each(self.spans.shape[0]):
             k = self.spans[m, 0]
-            a = np.maximum(self.spans[m, 1], self.x0 - k)
-            n = np.minimum(self.spans[m, 2], self.x1) - a
-            with when(n > 0):
-                at, place = self.at(a), self.ghosted_at(a, j, layer)
-                of_node, ends = self.S[0][k, a + MARGIN :], ((at, place), (at + k, place + k))
-                self.pairs(0, (row, row), ends, of_row, of_node, high, n)
+            begin = np.maximum(self.spans[m, 1], x - k)
+            count = np.minimum(self.spans[m, 2], x + n) - begin
+            with when(count > 0):
+                ends = (begin, y, z), (begin + k, y, z)
+                self.pairs(0, *ends, of_row, self.part.S[0, k, begin:], count)
 
-    def pairs(self, axis, rows, ends, of_row, of_node, high, n):
-        """Add the fluxes of n pairs of nodes along an axis. rows: of lower and of upper nodes;
-        ends: where the first ones are in rows and in ghosted arrays.
-        """
-        metrics, d, kernels = self.part.metrics, self.d, self.kernels
+    def pairs(self, axis, lower, upper, of_row, of_node, n):
+        """Add the fluxes of n pairs of nodes along an axis, from a lower and an upper node on."""
+        metrics, d, kernels, tile = self.part.metrics, self.d, self.kernels, self.tile
         given = {"of_row": of_row, "of_node": of_node, "p": self.p, "N": self.N}
-        given |= {"low": self.low[0, ends[0][0] :], "high": high[0, ends[1][0] :]}
-        for side, row, (at, place) in zip("lr", rows, ends, strict=True):
-            given[side] = row[0, at:]
-            given[f"s_{side}"] = row[d + 6 + axis * (d + 1), at:]
+        given["low"] = self.low[0, lower[0] - self.x0 + self.margin :]
+        given["high"] = self.row(tile.high, *upper)
+        for side, at in (("l", lower), ("r", upper)):
+            place = self.ghosted_at(*at)
+            given[side] = self.row(tile.w, *at)
+            if kernels.viscous:
+                given[f"s_{side}"] = self.row(tile.s, *at, axis * (d + 1))
             given[f"a_{side}"], given[f"v_{side}"] = (
                 metrics[first, place:] for first in (axis * d, d * d)
             )
             given[f"potential_{side}"] = self.potential[place:]
-        apart = kernels.near(n, **given)
-        if kernels.far is not None:
+        apart = kernels.near_pairs(n, **given)
+        if kernels.far_pairs is not None:
             with when(apart > 0):
-                kernels.far(n, **given)
+                kernels.far_pairs(n, **given)
 
-    def store(self, layer, j):
-        """Store the rates of row j of a layer and, of nodes that nothing else adds to, the next
-        stage.
-        """
-        high = self.row(self.high, layer, j)
-        of_row = 1.0 / (self.weight[1][j] * self.weight[2][layer])
-        for x, n, kind in self.stored(self.x0, self.x1, j, layer):
-            at, own = self.at(x), self.own_at(x, j, layer)
-            given = {"low": self.low[0, at:], "high": high[0, at:], "of_node": self.per_weight[x:]}
+    def store(self, x, n, y, z):
+        """Store the rates of a row and, of nodes that nothing else adds to, the next stage."""
+        of_row = 1.0 / (self.weight[1][y] * self.weight[2][z])
+        for begin, count, kind in self.stored(x, n, y, z):
+            own, high = self.own_at(begin, y, z), self.row(self.tile.high, begin, y, z)
+            given = {"low": self.low[0, begin - self.x0 + self.margin :], "high": high}
+            given |= {"of_row": of_row, "of_node": self.per_weight[begin:]}
             given["supplied"] = self.supplied[own * (self.d + 1) :]
-            self.run(self.kernels.stores, kind, n, own, of_row=of_row, **given)
+            self.run(self.kernels.stores, kind, count, own, **given)
 
 
 @kept
-def gas_kernels(gas: Any, d: int, form: Form, viscous: bool, moves: bool) -> SimpleNamespace:
-    """All kernels of a gas in d dimensions. far: None where the form does not tell pairs apart;
-    slope, viscous_fluxes: None without viscosity; raises: of the form. numbers, sums: what a row
-    has of a node, and what is summed of it.
+def gas_kernels(
+    gas: Any, d: int, form: Form, viscous: bool, moves: bool, near: Near
+) -> SimpleNamespace:
+    """All kernels of a gas in d dimensions; near: of nodes inside. far_pairs: None where the form
+    does not tell pairs apart; viscous_fluxes: of any nodes, and of those inside; raises: of
+    the form. numbers, sums: what a row has of a node, and what is summed of it.
     """
     sums, kinds = d + 2 + d * form.raises, KINDS[:1] if form.raises else KINDS
     return SimpleNamespace(
-        load=_load(gas, d, viscous),
-        near=_pair(gas, d, form, viscous, moves, True),
-        far=_pair(gas, d, form, viscous, moves, False) if form.entropy else None,
+        near=near,
+        load=_load(gas, d, viscous, sums + moves),
+        near_pairs=_pair(gas, d, form, viscous, moves, True),
+        far_pairs=_pair(gas, d, form, viscous, moves, False) if form.entropy else None,
         stores=tuple(_store(d, sums, moves, number, kind) for number, kind in enumerate(kinds)),
-        slope=_slope(gas, d) if viscous else None,
-        viscous_fluxes=_viscous(gas, d) if viscous else None,
+        viscous_fluxes=tuple(_viscous(gas, d, of) for of in ((0, near[1]), near) if viscous),
         viscous=viscous,
         raises=form.raises,
-        numbers=d + 5 + viscous * (1 + d * (d + 1)),
+        numbers=d + 5 + viscous,
         sums=sums + moves,
     )
 
 
-def _load(gas: Any, d: int, viscous: bool) -> Kernel:
-    kernel = Kernel("gas_load", "The primitive variables w of the nodes of a row, perhaps J.")
-    q = kernel.read("q", PLANES, d + 3)
-    kernel.store("w", ROWS, kernel.parameters(gas).primitive(q))
+def _load(gas: Any, d: int, viscous: bool, sums: int) -> Kernel:
+    says = "The primitive variables w of the nodes of a row, perhaps J and z; sums are 0."
+    kernel = Kernel("gas_load", says)
+    q, gas = kernel.read("q", PLANES, d + 3), kernel.parameters(gas)
+    w = gas.primitive(q)
+    kernel.store("w", ROWS, w)
+    kernel.store("high", ROWS, (0.0,) * sums)
     if viscous:
         kernel.store("w", ROWS, q[:1], d + 5)
+        kernel.store("z", ROWS, gas.entropy_variables(w))
     return kernel
 
 
@@ -371,28 +253,17 @@ def _store(d: int, sums: int, moves: bool, number: int, kind: str) -> Kernel:
     return kernel
 
 
-def _slope(gas: Any, d: int) -> Kernel:
-    """D_k z of the entropy variables z, from the nodes of one distance before and after."""
-    kernel = Kernel("gas_slope", "What the nodes of one distance give to D z, added to it.")
-    gas = kernel.parameters(gas)
-    below, z, above = (
-        gas.entropy_variables(kernel.read(name, ROWS, d + 5)) for name in ("below", "here", "above")
-    )
-    before, after = kernel.read("before", ROWS, 1)[0], kernel.read("after", ROWS, 1)[0]
-    more = along(scale(0.5 * after, sub(above, z)), 0.5 * before, sub(z, below))
-    kernel.store("slope", ROWS, add(kernel.read("slope", ROWS, d + 1), more))
-    return kernel
-
-
-def _viscous(gas: Any, d: int) -> Kernel:
-    kernel = Kernel("gas_viscous", "The viscous fluxes a^k . f_v of all axes k of a row's nodes.")
+def _viscous(gas: Any, d: int, near: Near) -> Kernel:
+    says = "The viscous fluxes a^k . f_v of all axes k of a row's nodes."
+    kernel = Kernel("gas_viscous" + "_inside" * (near[0] > 0), says)
     gas, w = kernel.parameters(gas), kernel.read("w", ROWS, d + 5)
     (J,) = kernel.read("w", ROWS, 1, d + 5)
-    areas = [kernel.read("a", PLANES, d, k * d) for k in range(d)]
-    slopes = [kernel.read("slope", ROWS, d + 1, k * (d + 1)) for k in range(d)]
+    areas = [kernel.read("metrics", PLANES, d, k * d) for k in range(d)]
+    apart = f" * {d + 1} * ROW"
+    slopes = [slope(kernel, "z", ROWS, k, near, d + 1, apart=apart) for k in range(d)]
     scaled, inverse = outer(slopes[0][:-1], areas[0]), scale(slopes[0][-1], areas[0])
-    for slope, area in zip(slopes[1:], areas[1:], strict=True):
-        scaled, inverse = add(scaled, outer(slope[:-1], area)), along(inverse, slope[-1], area)
+    for D_z, area in zip(slopes[1:], areas[1:], strict=True):
+        scaled, inverse = add(scaled, outer(D_z[:-1], area)), along(inverse, D_z[-1], area)
     scaled, inverse = scale(1.0 / J, scaled), scale(1.0 / J, inverse)
     stress, heat = gas.viscous_stress(w, scaled, inverse), gas.conduction(w, inverse)
     for k, area in enumerate(areas):

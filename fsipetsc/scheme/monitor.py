@@ -9,6 +9,7 @@ is computed from sums.
 
 import numpy as np
 
+from fsipetsc.equations.vectors import cross
 from fsipetsc.kernels.loops import each, variable
 from fsipetsc.scheme.observables import PLACES
 from fsipetsc.scheme.part import ghosted_node, rows_of
@@ -93,8 +94,7 @@ def moment(x, p):
     """
     if len(x) < 3:
         return {"angular_momentum": x[0] * p[1] - x[1] * p[0]} if len(x) == 2 else {}
-    pairs = (1, 2), (2, 0), (0, 1)
-    return along_axes("angular_momentum", [x[a] * p[b] - x[b] * p[a] for a, b in pairs])
+    return along_axes("angular_momentum", cross(x, p))
 
 
 def begin_monitor(found):

@@ -1,7 +1,11 @@
 """What sweeps of gases and of solids have in common.
 
 Nodes are swept in tiles: ranges along the first axis, and along the second one of three. The layers
-of a tile along the last axis are taken one after the other, and arrays keep few of them, in a ring.
+of a tile along the last axis are taken one after the other, in stages: a layer is loaded, and what
+its nodes need of it is found, when rates that need them are next. Boxes of nodes around a tile say
+where what is needed. Arrays keep few rows, in a ring of layers, which fit into the fastest memory.
+What two tiles need is found twice by the same operations: rates do not depend on tiles, nor on how
+a block is cut.
 
 Where nothing else adds to the rates k of nodes, their sweep makes the next stage at once, and k
 needs no memory. The classical Runge-Kutta method from the solution y has the stages
@@ -17,17 +21,22 @@ fsipetsc.scheme.plan does the same after all is added, with such a sum.
 """
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
+from itertools import product
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fsipetsc.blocks.area_vectors import grid_kernels
 from fsipetsc.equations.vectors import add, along, sub
-from fsipetsc.kernels.kernel import OWNED, Kernel, c_source, unit
+from fsipetsc.kernels.arrays import aligned
+from fsipetsc.kernels.kernel import OWNED, Kernel, floats_of, unit
 from fsipetsc.kernels.loops import each, either, pick, when, whole
+from fsipetsc.operators.bands import Patch
+from fsipetsc.operators.slopes import axis_of, parts
 
 #: what is stored: k, the next stage, the solution
 RATES, STAGE, LAST = range(3)
@@ -66,16 +75,13 @@ def _is_ours(value: Any) -> bool:
     return stands and (not isinstance(value, tuple) or all(map(_is_ours, value)))
 
 
-def text_of(kernels: Any, d: int, row: int, order: int) -> str:
+def text_of(kernels: Any, d: int, row: int) -> str:
     """The C code that sweeps of a block in d dimensions need. kernels: a record that has kernels,
-    tuples of them, and other data. row: how many numbers a row of a tile has room for. order: of
-    the operators.
+    tuples of them, and other data. row: how many numbers a row of a tile has room for.
     """
-    nested = (one if isinstance(one, tuple) else (one,) for one in vars(kernels).values())
-    every = [kernel for some in nested for kernel in some if isinstance(kernel, Kernel)]
-    texts, pairs = [kernel.text for kernel in every], f"#define PAIRS {order // 2}"
-    if d == 3:
-        texts = [pairs, *texts, c_source("fsipetsc.blocks", "cube.c")]
+    every = *vars(kernels).values(), *vars(grid_kernels(d, kernels.near)).values()
+    nested = (one if isinstance(one, tuple) else (one,) for one in every)
+    texts = [one.text for some in nested for one in some if isinstance(one, Kernel)]
     return unit(f"#define ROW {row}\n", *texts)
 
 
@@ -100,12 +106,23 @@ def order(S: Any, ranges: Sequence[tuple[int, int]]) -> NDArray[np.int64]:
     return np.array(found, np.int64)
 
 
-def pieces(begin: int, count: int, most: int, multiple: int = 1) -> list[tuple[int, int]]:
+def pieces(begin: int, count: int, most: int, multiple: int) -> list[tuple[int, int]]:
     """Ends of pieces, about equal, of at most ``most`` nodes; a multiple of some number in each."""
     size = -(-count // -(-count // most))
     size += -size % multiple
     ends = range(begin, begin + count, size)
     return [(a, min(a + size, begin + count)) for a in ends]
+
+
+def reached(bands: Any, box: Any) -> Any:
+    """Return the box of all nodes that have pairs with those of a box, and of these."""
+    found = []
+    for (S, _), (begin, end) in zip(bands, box, strict=True):
+        m, i = np.nonzero(S)
+        l = np.minimum(i + m, S.shape[1] - 1)
+        met = (begin <= i) & (i < end) | (begin <= l) & (l < end)
+        found.append((min([begin, *i[met]]), max([end - 1, *l[met]]) + 1))
+    return found
 
 
 def in_order(of_axes: Any, d: int) -> Any:
@@ -114,9 +131,59 @@ def in_order(of_axes: Any, d: int) -> Any:
 
 
 class Sweep(SimpleNamespace):
-    """What sweeps know of the nodes of a part, by their numbers x, y, z along the first axis, the
-    second one of three, and the last one.
+    """The sweeps of a part of a block: their data, beside the record of the part, and what is
+    recorded of a tile. Nodes have numbers x, y, z along the first axis, the second one of three,
+    and the last one, in the ghosted array. Methods take n nodes of a row from x on.
+
+    p: parameters of the kernels. boxes: (tiles, stages, 3, 2) first node and first beyond of what
+    the stages do, the last of them with the tile's own nodes. axes: the neighbours of the nodes
+    (fsipetsc.operators.slopes); inside: three pairs, first node and first beyond of those inside of
+    a block, None of axes that are not there. layers, depth: so many layers of so many rows are
+    kept. tile: by name, (rows, numbers, ROW) what a row has of its nodes; margin: room in it before
+    and after those of the tile.
     """
+
+    def prepare(
+        self,
+        equations: Any,
+        d: int,
+        kernels: Any,
+        bands: Any,
+        patch: Patch,
+        most: Sequence[int],
+        reaches: int,
+        kept: int,
+        numbers: Mapping[str, int],
+    ) -> None:
+        """bands: of the ghosted nodes along three axes. most: nodes of a tile along the first axis,
+        and rows. reaches: how often a stage needs what is around its nodes; kept: so many reaches
+        of layers. numbers: name -> how many a row has of each node.
+        """
+        bands, patch = in_order(bands, d), Patch(*(in_order(of_axes, d) for of_axes in patch))
+        self.kernels, self.p, boxes = kernels, np.array([*floats_of(equations), 0.0]), []
+        for own in product(*map(pieces, patch.first, patch.own, (*most, patch.own[2]), (8, 1, 1))):
+            stages = [own]
+            for _ in range(reaches):
+                stages.append(reached(bands, stages[-1]))
+            boxes.append(stages[::-1])
+        margin = reaches * max(band.reach for band in bands)
+        self.margin = margin + -margin % 8  # whole vectors
+        self.boxes, self.width = np.array(boxes), most[0] + 2 * self.margin
+        self.depth = int((self.boxes[:, 0, 1, 1] - self.boxes[:, 0, 1, 0]).max())
+        self.layers = kept * bands[2].reach + 1
+        rows, ring = (np.arange(len(band.weight)) for band in bands[1:])
+        places = None, rows, ring % self.layers * self.depth
+        axes = [axis_of(band, kernels.near, at) for band, at in zip(bands, places, strict=True)]
+        there = in_order(range(3), d)[:d]
+        self.inside = tuple(axes[k].inside if k in there else None for k in range(3))
+        self.axes, count = in_order(axes, d)[:d], self.layers * self.depth * self.width
+        made = {name: aligned(n * count).reshape(-1, n, self.width) for name, n in numbers.items()}
+        self.tile = SimpleNamespace(**made)
+
+    @property
+    def ranges(self) -> list[tuple[int, int]]:
+        """Of each stage the layers in its box, which are those of all tiles."""
+        return [(begin, end) for begin, end in self.boxes[0, :, 2].tolist()]
 
     def begin(self, part: Any, found: Any, y: Any, q: Any, f: Any) -> None:
         """Record what follows for a part. found: see fsipetsc.scheme.plan. y: planes of the
@@ -128,6 +195,35 @@ class Sweep(SimpleNamespace):
         self.N, self.M = part.metrics.shape[1], part.masses.shape[0]
         self.y, self.q, self.f = y, q, f
 
+    def take(self, steps, stages):
+        """Take the stages of all tiles, in the order of ``steps``: of each one what is done with a
+        row of nodes, its box, and the box whose first row is the first one.
+        """
+        boxes, last = self.boxes, len(stages) - 1
+        for t in each(boxes.shape[0]):
+            self.x0, self.y0 = boxes[t, stages[last][1], 0, 0], boxes[t, 0, 1, 0]
+            self.first_row = boxes[t, stages[last][1], 1, 0]
+            for s in each(steps.shape[0]):
+                stage, z = steps[s, 0], steps[s, 1]
+                for number, (do, box, first) in enumerate(stages):
+                    with when(stage == number):
+                        x = boxes[t, box, 0, 0]
+                        for y in each(boxes[t, first, 1, 0], boxes[t, box, 1, 1]):
+                            do(x, boxes[t, box, 0, 1] - x, y, z)
+
+    def row(self, rows, x, y, z, first=0):
+        """What an array of rows has of the nodes from one on."""
+        number = z % self.layers * self.depth + (y - self.y0)
+        return rows[number, first, x - self.x0 + self.margin :]
+
+    def given(self, x, y, z):
+        """What kernels take of the nodes from one on."""
+        found = {name: self.row(rows, x, y, z) for name, rows in vars(self.tile).items()}
+        found["metrics"] = self.part.metrics[0, self.ghosted_at(x, y, z) :]
+        for k, i in enumerate(in_order((x, y, z), self.d)[: self.d]):
+            found |= self.axes[k].given(k, i)
+        return {**found, "N": self.N, "p": self.p}
+
     def ghosted_at(self, x: Any, y: Any, z: Any) -> Any:
         """The number of a node in ghosted arrays."""
         return (z * self.sizes[1] + y) * self.sizes[0] + x
@@ -137,49 +233,29 @@ class Sweep(SimpleNamespace):
         row = (z - self.first[2]) * self.own[1] + (y - self.first[1])
         return row * self.own[0] + (x - self.first[0])
 
-    def loaded(self, x: Any, to: Any, y: Any, z: Any) -> Any:
-        """Yield parts of a row of nodes x … to - 1: where they begin, how many they are, and the
-        unknowns of the first one, how far their planes are apart. Owned nodes are read from y.
+    def loaded(self, x, n, y, z):
+        """Yield parts of a row of nodes: where they begin, how many they are, and the unknowns of
+        the first one, how far their planes are apart. Owned nodes are read from y.
         """
         ends = zip(self.first, self.end, strict=True)
-        for begin, n, own in parts(x, to, y, z, ends):
+        for begin, count, own in parts(x, x + n, y, z, ends):
             place, other = self.own_at(begin, y, z), self.ghosted_at(begin, y, z)
             q = either(own, self.y[0, place:], self.q[0, other:])
-            yield begin, n, q, pick(own, self.M, self.N)
+            yield begin, count, q, pick(own, self.M, self.N)
 
-    def stored(self, x: Any, to: Any, y: Any, z: Any) -> Any:
+    def stored(self, x, n, y, z):
         """Yield parts of a row of owned nodes: where they begin, how many they are, and what is
         stored of them.
         """
         kind = whole(self.found.stage[0])
-        for begin, n, free in parts(x, to, y, z, self.part.free, kind != RATES):
-            yield begin, n, pick(free, kind, RATES)
+        for begin, count, free in parts(x, x + n, y, z, self.part.free, kind != RATES):
+            yield begin, count, pick(free, kind, RATES)
 
     def run(self, kernels: Any, kind: Any, n: Any, own: Any, **given: Any) -> None:
         """Run the kernel of a kind of what is stored, from the owned node ``own`` on."""
         worlds = {"y": self.found.y}
         worlds |= dict(zip(("y1", "y2", "y3"), self.found.stages, strict=True))
         given |= {name: world[self.part.begin + own :] for name, world in worlds.items()}
-        for number, kernel in enumerate(kernels):
+        for number, kernel in enumerate(kernels[: len(KINDS)]):
             with when(kind == number):
                 kernel(n, next=self.f[0, own:], M=self.M, a=self.found.stage[1], **given)
-
-
-def parts(x: Any, to: Any, y: Any, z: Any, ends: Any, may_be: Any = None) -> Any:
-    """Yield the parts of a row of nodes x … to - 1 that are within a box, and before and after it:
-    first node, how many, whether they are within. ends: first node and first beyond along each
-    axis, or None where all are within. may_be: a condition on all, too.
-    """
-    (begin, end), *across = ends
-    for at, of_axis in zip((y, z), across, strict=True):
-        if of_axis is not None:
-            within = (at >= of_axis[0]) & (at < of_axis[1])
-            may_be = within if may_be is None else may_be & within
-    a = np.minimum(np.maximum(begin, x), to)
-    a = a if may_be is None else pick(may_be, a, to)
-    b = np.maximum(np.minimum(end, to), a)
-    for part in each(3):
-        first = pick(part == 0, x, pick(part == 1, a, b))
-        n = pick(part == 0, a, pick(part == 1, b, to)) - first
-        with when(n > 0):
-            yield first, n, part == 1

@@ -1,0 +1,137 @@
+"""Derivatives along an axis in kernels (fsipetsc.kernels.kernel): one formula for gases, solids and
+grids. Of the nodes i of an axis, with the weights S_il of fsipetsc.operators.bands,
+
+    D f   = sum_m [ahead_m (f_(i+m) - f_i) - behind_m (f_(i-m) - f_i)]
+    D° f  = sum_m [ahead_m (f_(i+m) + f_i) - behind_m (f_(i-m) + f_i)]    without flux through ends
+
+    ahead_m = S_i(i+m) / (2 weight_i),    behind_m = S_(i-m)i / (2 weight_i),    m = 1 … reach
+
+Inside of a block both weights are the same up to half the order of the operator, and 0 beyond:
+
+    D f = D° f = sum_m ahead_m (f_(i+m) - f_(i-m))
+
+Such a sum is its own mirror image. If it is exact (fsipetsc.kernels.symbols) it has the same bits,
+whichever way an axis runs.
+"""
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fsipetsc.equations.vectors import add, along, choose, scale, sub
+from fsipetsc.kernels.kernel import SHARED, Kernel
+from fsipetsc.kernels.loops import each, otherwise, pick, when
+from fsipetsc.operators.bands import Array, Band
+from fsipetsc.operators.sbp import OPERATORS
+
+#: pairs: half the order of the operator in a kernel of nodes inside, else 0; reach: largest m
+Near = tuple[int, int]
+
+
+class Axis(NamedTuple):
+    """The neighbours of the n nodes of an axis.
+
+    weights: (n, 2 reach) ahead and behind. far: (n, 2 reach) how far nodes ahead and behind are in
+    memory. columns: (2 reach, n), the weights where neighbours lie side by side, else (0, 0).
+    inside: first node and first beyond of those that are inside.
+    """
+
+    weights: Array
+    far: Any
+    columns: Array
+    inside: tuple[int, int]
+
+    def given(self, number: int, i: Any) -> dict[str, Any]:
+        """What kernels take of the axis of this number for the node i, or those from i on."""
+        found = {f"far_{number}": self.far[i], f"inner_{number}": self.weights[self.inside[0]]}
+        if number:
+            return found | {f"w_{number}": self.weights[i]}
+        return found | {"w_0": self.columns[0, i:], "row": self.weights.shape[0]}
+
+
+def axis_of(band: Band, near: Near, places: Any = None) -> Axis:
+    """The neighbours of the nodes of an axis; near: of nodes inside. places: where the nodes are in
+    memory, (n,); None: they lie side by side.
+    """
+    pairs, reach = near
+    n, m = len(band.weight), np.arange(1, reach + 1)
+    i, S = np.arange(n)[:, None], np.zeros((1 + reach, n + reach))
+    S[: 1 + band.reach, reach:] = band.S[: 1 + reach]
+    ahead, behind = S[m, reach + i] * (i + m < n), S[m, reach + i - m]
+    weights = np.concatenate([ahead, behind], axis=1) / (2.0 * band.weight[:, None])
+    jumps = np.concatenate([m + 0 * i, -m + 0 * i], axis=1)
+    if places is None:
+        far, columns = jumps, weights.T.copy()
+    else:  # a node that is not there is the node itself
+        to = np.where(weights != 0.0, i + jumps, i)
+        far, columns = places[to] - places[i], np.zeros((0, 0))
+    interior = np.zeros(reach)
+    interior[:pairs] = 2.0 * np.array(OPERATORS[2 * pairs].interior, float)
+    even = np.flatnonzero(((ahead == interior) & (behind == interior)).all(axis=1))
+    inside = (int(even[0]), int(even[-1]) + 1) if even.size else (0, 0)
+    return Axis(weights, far, columns, inside)
+
+
+def slope(
+    kernel: Kernel,
+    f: str,
+    layout: str,
+    axis: int,
+    near: Near,
+    count: int = 1,
+    first: int = 0,
+    free: bool = False,
+    apart: str = "",
+) -> tuple[Any, ...]:
+    """D of so many numbers f along the axis of a number, or D° if it is free. In a kernel of nodes
+    that are not all inside, weights along axis 0 differ from node to node, and what is beyond the
+    end of a row is read, but does not count. apart: of other axes, what ``far`` is multiplied by.
+    """
+    pairs, reach = near
+    here, found = () if pairs else kernel.read(f, layout, count, first), (0.0,) * count
+    for m in range(pairs or reach):
+        to = f"{layout} + far_{axis}[{{}}]" + (apart if axis else "")
+        ends = (to.replace("{}", str(number)) for number in (m, reach + m))
+        ahead, behind = (kernel.read(f, end, count, first) for end in ends)
+        if pairs:
+            (w,) = kernel.read(f"inner_{axis}", SHARED, 1, m)
+            found = along(found, w, sub(ahead, behind))
+            continue
+        both = []
+        for number, far in (m, ahead), (reach + m, behind):
+            (w,) = kernel.read(f"w_{axis}", SHARED if axis else "{c} * row + {i}", 1, number)
+            more = scale(w, add(far, here) if free else sub(far, here))
+            both.append(more if axis else choose(w != 0.0, more, (0.0,) * count))
+        found = add(found, sub(*both))
+    return found
+
+
+def parts(x: Any, to: Any, y: Any, z: Any, ends: Any, may_be: Any = None) -> Any:
+    """Yield the parts of a row of nodes x … to - 1 that are within a box, and before and after it:
+    first node, how many, whether they are within. ends: first node and first beyond along each
+    axis, or None where all are within. may_be: a condition on all, too.
+    """
+    (begin, end), *across = ends
+    for at, of_axis in zip((y, z), across, strict=True):
+        if of_axis is not None:
+            within = (at >= of_axis[0]) & (at < of_axis[1])
+            may_be = within if may_be is None else may_be & within
+    a = np.minimum(np.maximum(begin, x), to)
+    a = a if may_be is None else pick(may_be, a, to)
+    b = np.maximum(np.minimum(end, to), a)
+    for part in each(3):
+        first = pick(part == 0, x, pick(part == 1, a, b))
+        n = pick(part == 0, a, pick(part == 1, b, to)) - first
+        with when(n > 0):
+            yield first, n, part == 1
+
+
+def kinds(x: Any, n: Any, y: Any, z: Any, inside: Any) -> Iterator[Any]:
+    """Yield the parts of a row of n nodes from x on, for kernels of any nodes and of those inside:
+    first node, how many, and 1 where they are inside, else 0. inside: as ``ends`` of `parts`.
+    """
+    for begin, count, within in parts(x, x + n, y, z, inside):
+        for kind, choice in ((1, when(within)), (0, otherwise())):
+            with choice:
+                yield begin, count, kind
