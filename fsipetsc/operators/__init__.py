@@ -1,1 +1,1 @@
-"""SBP operators as exact fractions; arrays in, arrays out, no PETSc and no MPI."""
+"""SBP operators as exact fractions, and derivatives in kernels; no PETSc and no MPI."""

@@ -69,7 +69,9 @@ def axis_of(band: Band, near: Near, places: Any = None) -> Axis:
     interior = np.zeros(reach)
     interior[:pairs] = 2.0 * np.array(OPERATORS[2 * pairs].interior, float)
     even = np.flatnonzero(((ahead == interior) & (behind == interior)).all(axis=1))
-    inside = (int(even[0]), int(even[-1]) + 1) if even.size else (0, 0)
+    # beside an axis are nodes that are not even, and beyond them images that are
+    longest = max(np.split(even, 1 + np.flatnonzero(np.diff(even) > 1)), key=len)
+    inside = (int(longest[0]), int(longest[-1]) + 1) if longest.size else (0, 0)
     return Axis(weights, far, columns, inside)
 
 
