@@ -22,13 +22,12 @@ SEVERAL = {"values": ("rho", "u", "T")}
 class Boundary(Checked):
     """What stands at an outer end of a kind of layer, ``of``.
 
-    given: names of data beside heat and the place. passes: whether gas or waves go through. degree:
-    of the formulas of an embedded boundary; 0: by the order of the operator.
+    given: names of data beside heat and the place. degree: of the formulas of an embedded boundary;
+    0: by the order of the operator.
     """
 
     of = "fluid"
     given: tuple[str, ...] = ()
-    passes = False
     degree = 2
 
     @property
@@ -114,7 +113,6 @@ class Open(Boundary):
     u0: float = 0.0
     order: int = 1
     given = "p0", "T0", "u0", "order"
-    passes = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -137,7 +135,6 @@ class Dirichlet(Boundary):
     x: float
     values: Callable[[float], Sequence[Any]]
     given = ("values",)
-    passes = True
     degree = 0
     functions = ("values",)
 
@@ -203,7 +200,6 @@ class absorbing(SolidEnd):
 
     stress: Timed = 0.0
     given = ("stress",)
-    passes = True
 
     def condition(self, material: Any) -> Condition:
         return conditions.Absorbing(self._of_place("stress"), **self._warm())

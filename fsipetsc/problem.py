@@ -4,7 +4,7 @@ The paper's method takes a `Problem` as it is; for all else its layers become bl
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, dataclass
 from functools import wraps
 from itertools import pairwise
 from math import ceil, floor
@@ -139,7 +139,8 @@ class Problem:
     jumps: Callable[[int, float], Sequence[Any]] | None = None
     notes: Sequence[str] = ()
     units: str = "SI"
-    dimension: int = field(default=1, init=False)
+    dimension: ClassVar[int] = 1
+    invariants: ClassVar[dict[str, Any]] = {}  # the paper's method keeps none to round-off
 
     def __post_init__(self) -> None:
         check("units", self.units, "Problem: units")
@@ -177,25 +178,10 @@ class Problem:
         return [f"{a.name} | {b.name}" for a, b in pairwise(self.layers)]
 
     @property
-    def _forced(self) -> bool:
-        return self.jumps is not None or any(layer.forcing for layer in self.layers)
-
-    @property
     def steady_data(self) -> bool:
         """No boundary data, jump or forcing that depends on time."""
-        return not self._forced and self.left.steady and self.right.steady
-
-    @property
-    def invariants(self) -> dict[str, Any]:
-        """What must not change in the paper's method (see fsipetsc.scheme.observables.drifts): the
-        masses, (name, numbers among the gases), of layers that nothing enters or leaves.
-        """
-        gases = [k for k, v in enumerate(self.layers) if v.kind == "fluid" and not self._forced]
-        closed = [k for k in gases if not any(end and end.passes for end in self.ends(k))]
-        return {
-            "masses": [[self.layers[k].name, [gases.index(k)]] for k in closed],
-            "energy": False,
-        }
+        forced = self.jumps is not None or any(layer.forcing for layer in self.layers)
+        return not forced and self.left.steady and self.right.steady
 
 
 def check_place(layer: Any, end: Any, x: float, nearest: float) -> None:

@@ -158,11 +158,10 @@ class State:
                 return None
 
     def _lay_journal(self, record: np.dtype, more: int = 0) -> np.ndarray:
-        """Make batch, journal, results, latest; return numbers of results, ``more``, latest."""
+        """Make batch, journal, latest and results. Returns results with so many numbers more."""
         rows, self.batch = np.zeros((plan.CAPACITY, record.itemsize // 8)), np.zeros(plan.BATCH)
-        numbers = np.zeros(plan.RESULTS + more + rows.shape[1] - 2)
-        self.results, self.latest_numbers = numbers[: plan.RESULTS], numbers[plan.RESULTS + more :]
-        self.journal = rows.reshape(-1).view(record)
+        self.latest_numbers, numbers = np.zeros(rows.shape[1] - 2), np.zeros(plan.RESULTS + more)
+        self.results, self.journal = numbers[: plan.RESULTS], rows.reshape(-1).view(record)
         kind = [(name, record[name]) for name in record.names[2:]]
         self.latest = self.latest_numbers.view(kind)[0]
         of_steps = {"journal": rows, "latest": self.latest_numbers}

@@ -87,7 +87,7 @@ class GasPart(BlockPart):
         self.grid, self.metrics = grid_of(self.problem, *about)
         share = self.layout.shares[self.k]  # all its ranks get what the owners of nodes have
         wanted = dict.fromkeys(share.ranks, np.ones(nodes.size, bool))
-        known = share.owners(nodes), wanted, 2 * self.d
+        known = share.owners(nodes), wanted, np.zeros((nodes.size, 2 * self.d))
         self.gather = RowExchange(self.layout.comm, GATHER_TAG + self.k, *known)
         self.known, self.follower_rows = self.gather.table, self.gather.rows
         _, own, particle = system.own(self.k)

@@ -20,7 +20,7 @@ metadata, which has checksums (format of HDF5 1.10), is an error and not a crash
 
 A checkpoint, which is numbers and a text and never code, has
 
-    512 bytes        "fsipetsc checkpoint 9", the SHA-256 and the length of all that follows
+    512 bytes        "fsipetsc checkpoint 11", the SHA-256 and the length of all that follows
     an HDF5 file     header, JSON text; arrays/NAME for each array. HDF5 passes over 512 bytes, so
                      h5dump and h5py open the file as it is
 
@@ -51,7 +51,7 @@ FORMAT, VERSION = "fsipetsc result", 4
 NAMES = "names"  # attribute of the group of series: their names
 LIBVER = ("v110", "v110")
 _MAGIC = b"fsipetsc checkpoint "
-_CHECKPOINT = 10  # version
+_CHECKPOINT = 11  # version
 _XDMF = b'<Xdmf Version="2.0"><!-- a result of fsipetsc -->'  # what ours begin with
 _HEAD = 512  # bytes: HDF5 looks for its own beginning at this place, too
 

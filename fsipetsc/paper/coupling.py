@@ -42,6 +42,9 @@ from fsipetsc.kernels.loops import each, stop, variable
 from fsipetsc.operators.sbp import row_length
 from fsipetsc.paper.layers import Layer
 
+#: names of what is noted of an interface
+AT_INTERFACES = "x_interface", "u_interface", "sigma_interface", "T_interface", "residual_u"
+AT_INTERFACES += "residual_stress", "residual_T", "residual_flux"
 #: of a point of a solid
 UNKNOWNS = "u", "sigma", "T", "x"
 #: the conductivity at the interface has the temperature that it leads to, but for this fraction, or
@@ -51,10 +54,10 @@ AGREED, REFINEMENTS = 1e-15, 20
 
 class Interface(SimpleNamespace):
     """An interface of two layers, gas and solid, in the treatment of a ``kind``, a value of
-    -fsi_coupling. first: their points at the interface; here: whether the owners of these, who have
-    all rows, are this rank; messages: in which they tell each other their rows, and both solve the
-    same small system. jump: what is prescribed; notes: what is noted of all, (NOTES, interfaces),
-    of this one in column ``number``.
+    -fsi_coupling. first: their points at the interface; ranks: the owners of these, who have all
+    rows, at ``places`` in memory, and both solve the same small system; here: whether each is this
+    one. jump: what is prescribed; notes: what is noted of all, (8, interfaces), of this one in
+    column ``number``.
     """
 
     @property
@@ -95,19 +98,18 @@ class Interface(SimpleNamespace):
 
 def interface_of(pair: Sequence[Layer], number: int, me: int, kind: str, notes: Array) -> Interface:
     """An interface of two layers, the left one first, on rank ``me``."""
-    ends = sorted(zip(pair, (-1, 0), (-1, 1)), key=lambda end: not end[0].is_gas)
-    first = tuple(int(v.active[at]) for v, at, _ in ends)
-    gas, solid = (v for v, *_ in ends)
+    gas, solid = sorted(pair, key=lambda layer: not layer.is_gas)
+    first = int(gas.active[gas.side - 1]), int(solid.active[gas.side])
     one = Interface(kind=kind, gas=gas, solid=solid, first=first, notes=notes, number=number)
-    owners, rows = [v.share.ranks[at] for v, at, _ in ends], np.arange(row_length(gas.op))
-    places = [v.places(v.active[at] + inwards * rows) for v, at, inwards in ends]
-    one.messages = list(zip(owners, owners[::-1], places, strict=True))
-    one.jump, one.here = np.zeros(4), [owner == me for owner in owners]
+    rows = one.n * np.arange(row_length(gas.op))
+    one.ranks = gas.share.ranks[gas.side - 1], solid.share.ranks[-gas.side]
+    one.places = np.append(gas.places(first[0] + rows), solid.places(first[1] - rows))
+    one.jump, one.here = np.zeros(4), [rank == me for rank in one.ranks]
     return one
 
 
 def note(of):
-    """Note x, u, sigma, T and the residuals of the four conditions of an interface."""
+    """Note AT_INTERFACES of an interface."""
     u, sigma, T, x = of.solid_at(0)
     for row, value in enumerate((x, u, sigma, T, *residuals(of))):
         of.notes[row, of.number] = value

@@ -5,8 +5,7 @@ x. Some points of a gas are held in reserve, on its outer side. All ranks have m
 of all layers, so that a number has the same place on each of them.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import pairwise
+from collections.abc import Mapping, Sequence
 from math import prod
 from types import SimpleNamespace
 from typing import Any
@@ -23,7 +22,7 @@ from fsipetsc.paper.ends import OF_GAS, degree_of
 from fsipetsc.paper.rates import ROWS, Gas
 from fsipetsc.paper.stencils import closure_of, halo_of_rates
 from fsipetsc.parallel.block_shares import Extent, Share, share_out
-from fsipetsc.parallel.exchange import Route
+from fsipetsc.parallel.exchange import RowExchange
 from fsipetsc.problem import Problem, check_place
 from fsipetsc.scheme.monitor import COLUMNS
 
@@ -38,8 +37,6 @@ HAS = {
     "fsi_shock": (0.0,),
     "fsi_convection": ("auto", "divergence"),
 }
-#: a rank that sends, one that receives, and places in the memory of both
-Message = tuple[int, int, Array]
 
 
 def check_form(problem: Problem, opt: Mapping[str, Any]) -> None:
@@ -135,6 +132,10 @@ class Layer(SimpleNamespace):
         """Where the unknowns of points are in the memory of all layers."""
         dof, size = self.local.shape
         return (self.at + size * np.arange(dof)[:, None] + points).ravel()
+
+    @property
+    def places_of_frame(self) -> slice:
+        return slice(2 * self.number, 2 * self.number + 2)
 
     # this rank's own points
 
@@ -242,7 +243,8 @@ def layers_of(
         v.material = Gas(*material.equations(1)) if v.is_gas else material.elastic
         v.gamma = getattr(material, "gamma", 0.0)
         v.own = v.share.part(comm.rank)[0] if comm.rank in share.ranks else (0, 0)
-        v.at, v.begin, v.active, v.frame = at[k], begin, np.array([lo, hi]), planes[0, 2 * k :][:2]
+        v.at, v.begin, v.active = at[k], begin, np.array([lo, hi])
+        v.frame = planes[0, v.places_of_frame]
         v.local, v.y, v.total = (of[at[k] : at[k + 1]].reshape(shape) for of in planes)
         v.forcing = np.zeros(shape) if layer.forcing is not None else None
         v.adds = v.narrow or layer.forcing is not None
@@ -254,23 +256,24 @@ def layers_of(
     return found, planes[0]
 
 
-def messages_of(layers: Sequence[Layer]) -> Iterator[Message]:
-    """What ranks tell each other of layers: halos, and of a gas its frame, (4.20), (4.25), which
-    the rank of its interface knows.
+def exchanges_of(
+    comm: MPI.Comm, layers: Sequence[Layer], interfaces: Sequence[Any], memory: Array
+) -> list[RowExchange]:
+    """What ranks tell each other: the rows at interfaces; halos, and of a gas its frame, (4.20),
+    (4.25), which the rank of its interface knows.
     """
+    owners, (rows, halos) = np.zeros(memory.size, int), np.zeros((2, comm.size, memory.size), bool)
     for layer in layers:
-        ranks, halo = layer.share.ranks, np.arange(halo_of_rates(layer.op))
-        for (low, high), cut in zip(pairwise(ranks), layer.share.cuts[0][1:]):
-            yield low, high, layer.places(cut - 1 - halo)
-            yield high, low, layer.places(cut + halo)
-        for rank in ranks if layer.is_gas else ():
-            yield ranks[layer.side - 1], rank, 2 * layer.number + np.arange(2)
-
-
-def routes_of(me: int, messages: Iterable[Message]) -> list[Route]:
-    """Those of the messages that rank ``me`` sends or receives."""
-    return [
-        Route({target: places}, {}) if source == me else Route({}, {source: places})
-        for source, target, places in messages
-        if source != target and me in (source, target)
-    ]
+        share, halo = layer.share, halo_of_rates(layer.op)
+        points = np.arange(layer.local.shape[1])
+        owners[layer.places(points)] = np.tile(share.owners(points), len(layer.local))
+        owners[layer.places_of_frame] = share.ranks[layer.side - 1]
+        for rank in share.ranks:
+            ((begin, end),) = share.part(rank)
+            halos[rank, layer.places(points[max(begin - halo, 0) : end + halo])] = True
+            halos[rank, layer.places_of_frame] = layer.is_gas
+    for one in interfaces:
+        rows[np.ix_(one.ranks, one.places)] = True
+    of_tags = enumerate([rows, halos])
+    table = memory[:, None]
+    return [RowExchange(comm, tag, owners, dict(enumerate(of)), table) for tag, of in of_tags]

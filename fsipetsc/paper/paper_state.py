@@ -28,12 +28,13 @@ from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import ends, rates
-from fsipetsc.paper.coupling import couple, interface_of, note
-from fsipetsc.paper.layers import check_ends, check_form, layers_of, messages_of, routes_of
-from fsipetsc.parallel.exchange import Exchange, Reduction, exchange_text
+from fsipetsc.paper.coupling import AT_INTERFACES, couple, interface_of, note
+from fsipetsc.paper.layers import check_ends, check_form, exchanges_of, layers_of
+from fsipetsc.parallel.exchange import Reduction, exchange_text
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import agree, libraries, together
-from fsipetsc.scheme.plan import OFF_GRID, STAGES, plan_next, step_record
+from fsipetsc.scheme.observables import record
+from fsipetsc.scheme.plan import OFF_GRID, STAGES, plan_next
 from fsipetsc.state import State
 
 #: procedures of a layer by name; a lambda of the layer alone, because the recorder would take
@@ -44,10 +45,13 @@ OF_LAYERS: dict[str, dict[str, Any]] = {
     "fluid": {"rates": rates.gas_rates, **_GAS},
     "solid": {"rates": rates.elastic_rates, **_SOLID},
 }
-#: what a checkpoint says of a layer: where its grid lies, and how it moves
-FRAME = "lo", "hi", "s", "x_interface"
 #: what `jumps` of a problem returns
 JUMPS = "g_u", "g_stress", "g_T", "g_flux"
+
+
+#: what is noted of a step: from the third name on shares of the ranks, at interfaces those of the
+#: owner of the solid
+NOTED = "t", "dt", "mass", "energy", "momentum", *AT_INTERFACES
 
 
 class PaperState(State):
@@ -70,14 +74,12 @@ class PaperState(State):
         self.op, self.asks = OPERATORS[opt["fsi_order"]], not problem.steady_data
         gases = [v for v in problem.layers if v.kind == "fluid"]
         self.loose = [v for v in gases if any(v.material.force)]
-        count, interfaces = len(problem.layers), len(problem.layers) - 1
-        numbers = self._lay_journal(step_record(interfaces, len(gases)), 2 * count)
-        # what ranks tell each other after a step comes first
-        ends_at = np.cumsum([self.results.size, 2 * count, rates.NOTES * interfaces])
-        _, bounds, notes, sums = np.split(numbers, ends_at)
-        self.bounds, notes = bounds.reshape(-1, 2), notes.reshape(rates.NOTES, -1)
+        counts = {"gas": len(gases), "interface": len(problem.layers) - 1}
+        reduced = self._lay_journal(np.dtype(record(NOTED, counts)), 2 * len(problem.layers))
+        self.bounds = reduced[self.results.size :].reshape(-1, 2)
         steps = SimpleNamespace(batch=self.batch, results=self.results, bounds=self.bounds)
-        steps.notes, steps.sums = notes, sums
+        steps.latest, steps.gases = self.latest_numbers, len(gases)
+        notes = steps.latest[steps.gases + 2 :].reshape(-1, counts["interface"])
         self.layers, memory = layers_of(comm, problem, opt, self.op, steps)
         self.parts = {v.number: v for v in self.layers if v.own[0] < v.own[1]}
         self.shapes = [v.local.shape[1:] for v in self.layers]
@@ -87,12 +89,8 @@ class PaperState(State):
         of = comm.rank, opt["fsi_coupling"], notes
         pairs = enumerate(pairwise(self.layers))
         self.interfaces = [interface_of(pair, k, *of) for k, pair in pairs]
-        of_rows = (message for one in self.interfaces for message in one.messages)
-        self._rows, self._halos = (
-            Exchange(comm, tag, routes_of(comm.rank, messages), memory, memory)
-            for tag, messages in enumerate((of_rows, messages_of(self.layers)))
-        )
-        self._reduction = Reduction(comm, numbers[: ends_at[-1]])
+        self._rows, self._halos = exchanges_of(comm, self.layers, self.interfaces, memory)
+        self._reduction = Reduction(comm, reduced)
         self._stages = np.arange(1.0 + rates.RATES_ALONE)
         self._load_procedures(steps, announce)
 
@@ -138,7 +136,7 @@ class PaperState(State):
     # what is known of it
 
     def _frames(self) -> Array:
-        """(4, layers) of FRAME, of all ranks."""
+        """(4, layers) of all ranks: the first and the last active point, and the frame."""
         found = np.full((4, len(self.layers)), -np.inf)
         for k, layer in self.parts.items():
             found[:, k] = *layer.active, *layer.frame
@@ -260,10 +258,8 @@ class PaperState(State):
     # checkpoints
 
     def more(self) -> Mapping[str, Array]:
-        return dict(zip(FRAME, self._frames(), strict=True))
+        return {"frames": self._frames()}
 
     def take(self, arrays: Mapping[str, Array]) -> None:
         for k, layer in self.parts.items():
-            lo, hi, s, x_interface = (arrays[name][k] for name in FRAME)
-            layer.active[:] = lo, hi
-            layer.frame[:] = s, x_interface
+            layer.active[:], layer.frame[:] = arrays["frames"][:, k].reshape(2, 2)

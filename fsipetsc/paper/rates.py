@@ -39,8 +39,6 @@ from fsipetsc.scheme.plan import BAD, DT, OFF_GRID, RATE, SAID_STOP, STAGES, STO
 SCRATCH, ROWS = 12, 16
 #: in place of a stage: its rates take its place, and there is no next one
 RATES_ALONE = STAGES
-#: numbers of an interface that are noted
-NOTES = 8
 #: of the points 0 to 3: coefficients of delta, delta^2 ... in the integral from the ghost point (0)
 #: to the boundary (delta) of the cubic through them
 STRIP = np.array([[24, -22, 8, -1], [0, 36, -20, 3], [0, -18, 16, -3], [0, 4, -4, 1]]) / 24.0
@@ -211,15 +209,14 @@ def stretch(layer):
 
 
 # after a step. steps: one record for all layers of this rank. batch, results: fsipetsc.scheme.plan;
-# bounds: (layers, 2) of 1/dt; notes: (NOTES, interfaces); sums: masses of gases, energy, momentum
+# bounds: (layers, 2) of 1/dt; latest: masses of so many gases, energy, momentum, then interfaces
 
 
 def forget(steps):
     """Forget what is known of the step before."""
     steps.results[:STOP] = 0.0
-    for told in (steps.bounds, steps.notes):
-        told.reshape(-1)[:] = -np.inf
-    steps.sums[:] = 0.0
+    steps.bounds.reshape(-1)[:] = -np.inf
+    steps.latest[:] = 0.0
 
 
 def complete_gas(layer):
@@ -249,7 +246,7 @@ def complete_gas(layer):
         with when((a <= i) & (i < b)):
             add(totals, -weight, see(i)[1])
     mass, momentum, energy = totals
-    layer.steps.sums[layer.number // 2] += h * mass.value  # every other layer is a gas
+    layer.steps.latest[layer.number // 2] += h * mass.value  # every other layer is a gas
     good = (least.value < 0.0) & finite
     note(layer, (h, momentum, energy.value), fastest.value, diffusivity.value, good)
 
@@ -298,8 +295,8 @@ def add(totals, weight, densities):
 def note(layer, integrals, speed, diffusivity, good):
     """Note the integrals of a layer, its rates, and whether all its points are physical."""
     (scale, momentum, energy), h, order, steps = integrals, layer.h, layer.op.order, layer.steps
-    steps.sums[-2] += scale * energy
-    steps.sums[-1] += scale * momentum.value
+    steps.latest[steps.gases] += scale * energy
+    steps.latest[steps.gases + 1] += scale * momentum.value
     stiffness = STIFFNESS[order] if layer.narrow else STIFFNESS_OF_WIDE
     steps.bounds[layer.number] = speed / h, stiffness * diffusivity / (h * h)
     with when(~good):

@@ -104,14 +104,14 @@ class RowExchange(Exchange):
     """
 
     def __init__(
-        self, comm: MPI.Comm, tag: int, owners: Numbers, wanted: Mapping[int, Array], columns: int
+        self, comm: MPI.Comm, tag: int, owners: Numbers, wanted: Mapping[int, Array], table: Array
     ) -> None:
         me, others = comm.rank, [rank for rank in wanted if rank != comm.rank]
-        self.table, self.rows = np.zeros((owners.size, columns)), np.flatnonzero(owners == me)
-        places = np.arange(self.table.size).reshape(self.table.shape)
+        self.table, self.rows = table, np.flatnonzero(owners == me)
+        places = np.arange(table.size).reshape(table.shape)
         sent = {r: places[(owners == me) & wanted[r]].ravel() for r in others}
         received = {r: places[(owners == r) & wanted[me]].ravel() for r in others}
-        numbers = self.table.reshape(-1)
+        numbers = table.reshape(-1)
         super().__init__(comm, tag, [Route(sent, received)], numbers, numbers)
 
 

@@ -59,7 +59,7 @@ class ParticleSystem:
         wanted = {rank: np.isin(number, number[owners == rank]) for rank in sorted(ranks)}
         columns = max(d + 3, 2 * d + 1), 2 * most * d, 1
         self.sums, self.areas, self.stored = (
-            RowExchange(layout.comm, tag, owners, wanted, c)
+            RowExchange(layout.comm, tag, owners, wanted, np.zeros((owners.size, c)))
             for tag, c in enumerate(columns, PARTICLES_TAG)
         )
         self.prescribed = Prescribed(layout.problem, particles, here, instant)

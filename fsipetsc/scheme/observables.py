@@ -111,7 +111,7 @@ def drifts(
 
     On blocks these are masses, all components of momentum, and energy, less all that comes in
     through faces and by body forces; the entropy of gases where nothing comes in and solids take no
-    heat from them. Of the paper's method the mass of a gas layer behind a wall is held.
+    heat from them.
 
     held: which ones must hold (fsipetsc.blocks.block_problem.BlockProblem.invariants). first: the
     integrals before the first step of the series. Entropy counts only where it decreases. Momentum

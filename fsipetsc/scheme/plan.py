@@ -17,7 +17,6 @@ from collections.abc import Callable
 import numpy as np
 
 from fsipetsc.kernels.loops import each, when, whole
-from fsipetsc.scheme.observables import SERIES, record
 from fsipetsc.scheme.sweep import LAST, RATES, STAGE
 
 # where what stands among the results of a completed step
@@ -26,15 +25,6 @@ from fsipetsc.scheme.sweep import LAST, RATES, STAGE
 OFF_GRID, RATE, BAD, STOP, SAID_STOP, RESULTS = range(6)
 #: steps that the journal holds; they must be written then
 CAPACITY = 4096
-
-
-def step_record(interfaces: int, fluids: int) -> np.dtype:
-    """What is noted of a step in the paper's method: doubles, as they are written to the file."""
-    at_interfaces = [name for name, one in SERIES.items() if one.of == "interface"]
-    names = "t", "dt", *at_interfaces, "mass", "energy", "momentum"
-    return np.dtype(record(names, {"interface": interfaces, "gas": fluids}))
-
-
 #: places in the numbers of a batch: TIME before a step or, once it is made, after it; DT, its
 #: length; NEXT, the time after it; TARGET, the next time that must be hit; COURANT number; FIXED,
 #: the step that is given, or 0; steps ALLOWED and MADE; the LONGEST of these; FIRST row of the
