@@ -95,14 +95,14 @@ class Layer(SimpleNamespace):
     layer: as the case has it, which is number ``number``. ends: what stands at the left and the
     right end, None at an interface; end_x: where that of a gas stands; given: (2, 5), data of both
     (fsipetsc.boundaries). material: as formulas; gamma of a gas. closure: of op, as numbers.
-    narrow: with narrow second derivatives; adds: rates are added to these, or to forcing. least:
-    active points that it needs. share: of all ranks. at, begin: of its numbers in the memory of all
-    layers, and in this rank's part of a solution.
+    narrow: with narrow second derivatives. least: active points that it needs. share: of all ranks.
+    at, begin: of its numbers in the memory of all layers, and in this rank's part of a solution.
 
     active: the first and the last active point: in a gas interface point and ghost point. frame:
-    velocity of the grid, that of the interface point, and x of the interface. local, y, total,
-    forcing: (unknowns, points) the stage, the solution before the step, the sum of the stages, and
-    what is added to rates, if anything. steps: of fsipetsc.paper.rates. X: of the own points.
+    velocity of the grid, that of the interface point, and x of the interface. local, y, forcing:
+    (unknowns, points) the stage, the solution before the step, and what is added to rates, if
+    anything; runs: see fsipetsc.scheme.plan.advance. steps: of fsipetsc.paper.rates. X: of the own
+    points.
     """
 
     @property
@@ -220,8 +220,10 @@ class Layer(SimpleNamespace):
 
 def layers_of(
     comm: MPI.Comm, problem: Problem, opt: Mapping[str, Any], op: SBPOperator, steps: Any
-) -> tuple[list[Layer], Array]:
-    """All layers, on each rank, and the memory of all frames, then of the stage. InputError."""
+) -> tuple[Any, ...]:
+    """All layers, on each rank; memory of all frames and the stage, and in the same places of the
+    solution before the step and of the sum of its stages; runs of all layers. InputError.
+    """
     halo, h = halo_of_rates(op), opt["fsi_h"]
     grids = [grid_of(problem, k, op, h) for k in range(len(problem.layers))]
     least = max(halo, op.rows + 1)
@@ -231,7 +233,7 @@ def layers_of(
     shares = share_out(extents, comm.size, opt["fsi_partition"])
     shapes = [(DOF[v.kind], size) for v, (size, *_) in zip(problem.layers, grids)]
     at = np.cumsum([2 * len(grids), *map(prod, shapes)]).tolist()
-    planes = zeros((3, at[-1]))
+    planes, runs = zeros((3, at[-1])), np.zeros((sum(dof for dof, _ in shapes), 2), np.int64)
     found, begin = [], 0
     for k, (layer, shape, share) in enumerate(zip(problem.layers, shapes, shares, strict=True)):
         (size, lo, hi, needed), material = grids[k], layer.material
@@ -245,15 +247,15 @@ def layers_of(
         v.own = v.share.part(comm.rank)[0] if comm.rank in share.ranks else (0, 0)
         v.at, v.begin, v.active = at[k], begin, np.array([lo, hi])
         v.frame = planes[0, v.places_of_frame]
-        v.local, v.y, v.total = (of[at[k] : at[k + 1]].reshape(shape) for of in planes)
+        v.local, v.y = (of[at[k] : at[k + 1]].reshape(shape) for of in planes[:2])
+        v.runs = runs[sum(dof for dof, _ in shapes[:k]) :][: len(v.local)]
         v.forcing = np.zeros(shape) if layer.forcing is not None else None
-        v.adds = v.narrow or layer.forcing is not None
         v.scratch = np.zeros((ROWS, max(size + halo, COLUMNS)))
         at_right = v.is_gas and k == 0  # X are counted from the interface
         v.X = layer.X[at_right] + (v.numbers - hi * at_right) * h
         found.append(v)
         begin += v.owned.size
-    return found, planes[0]
+    return found, *planes, runs
 
 
 def exchanges_of(

@@ -34,7 +34,7 @@ from fsipetsc.parallel.exchange import Reduction, exchange_text
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import agree, libraries, together
 from fsipetsc.scheme.observables import record
-from fsipetsc.scheme.plan import OFF_GRID, STAGES, plan_next
+from fsipetsc.scheme.plan import OFF_GRID, STAGES, advance, plan_next
 from fsipetsc.state import State
 
 #: procedures of a layer by name; a lambda of the layer alone, because the recorder would take
@@ -42,8 +42,8 @@ from fsipetsc.state import State
 _GAS = {"fill": lambda layer: ends.fill_ghost(layer), "complete": rates.complete_gas}
 _SOLID = {"close": ends.close_solid, "stretch": rates.stretch, "complete": rates.complete_solid}
 OF_LAYERS: dict[str, dict[str, Any]] = {
-    "fluid": {"rates": rates.gas_rates, **_GAS},
-    "solid": {"rates": rates.elastic_rates, **_SOLID},
+    "fluid": {"begin": rates.begin_step, "rates": rates.gas_rates, **_GAS},
+    "solid": {"begin": rates.begin_step, "rates": rates.elastic_rates, **_SOLID},
 }
 #: what `jumps` of a problem returns
 JUMPS = "g_u", "g_stress", "g_T", "g_flux"
@@ -77,21 +77,22 @@ class PaperState(State):
         counts = {"gas": len(gases), "interface": len(problem.layers) - 1}
         reduced = self._lay_journal(np.dtype(record(NOTED, counts)), 2 * len(problem.layers))
         self.bounds = reduced[self.results.size :].reshape(-1, 2)
-        steps = SimpleNamespace(batch=self.batch, results=self.results, bounds=self.bounds)
+        steps = SimpleNamespace(plan=self.plan, results=self.results, bounds=self.bounds)
         steps.latest, steps.gases = self.latest_numbers, len(gases)
         notes = steps.latest[steps.gases + 2 :].reshape(-1, counts["interface"])
-        self.layers, memory = layers_of(comm, problem, opt, self.op, steps)
+        self.layers, self._memory, steps.y, steps.total, steps.left = layers_of(
+            comm, problem, opt, self.op, steps
+        )
         self.parts = {v.number: v for v in self.layers if v.own[0] < v.own[1]}
         self.shapes = [v.local.shape[1:] for v in self.layers]
-        self.changing = memory, *(v.active for v in self.layers), self.results, self.batch
+        self.changing = self._memory, *(v.active for v in self.layers), self.results, self.batch
         self.y = zeros(sum(v.owned.size for v in self.layers))
         self.solution = PETSc.Vec().createWithArray(self.y, comm=comm)
         of = comm.rank, opt["fsi_coupling"], notes
         pairs = enumerate(pairwise(self.layers))
         self.interfaces = [interface_of(pair, k, *of) for k, pair in pairs]
-        self._rows, self._halos = exchanges_of(comm, self.layers, self.interfaces, memory)
+        self._rows, self._halos = exchanges_of(comm, self.layers, self.interfaces, self._memory)
         self._reduction = Reduction(comm, reduced)
-        self._stages = np.arange(1.0 + rates.RATES_ALONE)
         self._load_procedures(steps, announce)
 
     def _load_procedures(self, steps: Any, announce: Callable[[str], None]) -> None:
@@ -109,6 +110,8 @@ class PaperState(State):
             add("note", k, note, one, here=one.here[1])  # the owner of the solid does it
         for f in (rates.forget, rates.finish):
             add(f.__name__, 0, f, steps)
+        for n in range(STAGES):
+            add("stage", n, advance(n), steps)
         planning = code.procedure("plan_next", plan_next, self.plan)
         (library,) = libraries(self.comm, [code.text], announce)
         code.load(library)
@@ -117,21 +120,20 @@ class PaperState(State):
         self._take_calls(library, planning)
 
     def phase(self, name: str, n: int, f: Array | None = None) -> list[Any]:
-        does, found, of_rates = self._does, list[Any](), list[Any]()
+        does, found = self._does, list[Any]()
         if name == "fulfil" and n > 0:  # the solution obeys the conditions
             found = [self._rows, *does["couple"], *does["close"], self._halos]
         elif name in ("rates", "advance"):
             # a stage fulfils the conditions but for the ghost point, the completed solution all
-            found = does["fill"] if n > 0 else []
-            stage = n if name == "advance" else rates.RATES_ALONE
-            of_rates = [(one, (self._stages[stage:],)) for one in does["rates"]]
+            found = [*does["fill" if n > 0 else "begin"], *does["rates"]]
+            found += does["stage"][n : n + (name == "advance")]
         elif name == "complete":
             tell = [self._reduction] if self.comm.size > 1 else []
             found = [*does["forget"], *does[name], *does["note"], *tell, *does["finish"]]
         elif name == "stretch":
             found = does[name]
-        calls = [(one, ()) for one in found if not getattr(one, "empty", False)]
-        return [*calls, *of_rates]
+        known = (one for one in found if not getattr(one, "empty", False))
+        return [(one, (self._memory,)[: len(one.vectors)]) for one in known]
 
     # what is known of it
 

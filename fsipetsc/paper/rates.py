@@ -1,5 +1,5 @@
-"""dy/dt at a rank's points of a layer, from its points with halos, which fulfil all conditions; the
-next stage of a step, and what is known of the solution after it.
+"""dy/dt at a rank's points of a layer, from its points with halos, which fulfil all conditions, and
+what is known of the solution after a step.
 
 Gas, (4.20): compressible Navier-Stokes in a rigid frame that moves with the velocity s(t) of the
 gas's interface point, X = x - x_I(t) + X_I, mu' = 4 mu / 3, e = rho (internal energy + u^2/2):
@@ -33,12 +33,10 @@ from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.paper.ends import beyond_boundary, distance, end_of, fill_ghost, move_boundary
 from fsipetsc.paper.stencils import STIFFNESS, add_remainder, derivatives, near_ends
 from fsipetsc.scheme.monitor import rate_of, survey
-from fsipetsc.scheme.plan import BAD, DT, OFF_GRID, RATE, SAID_STOP, STAGES, STOP, next_stage
+from fsipetsc.scheme.plan import BAD, OFF_GRID, RATE, SAID_STOP, STOP
 
-#: rows of scratch, and with those of rates
+#: rows of scratch, and with those of what is added to rates
 SCRATCH, ROWS = 12, 16
-#: in place of a stage: its rates take its place, and there is no next one
-RATES_ALONE = STAGES
 #: of the points 0 to 3: coefficients of delta, delta^2 ... in the integral from the ghost point (0)
 #: to the boundary (delta) of the cubic through them
 STRIP = np.array([[24, -22, 8, -1], [0, 36, -20, 3], [0, -18, 16, -3], [0, 4, -4, 1]]) / 24.0
@@ -70,41 +68,31 @@ def widened(span, reach):
     return np.maximum(A, a - reach), np.minimum(B + 1, b + reach)
 
 
-def rows_of_rates(layer):
-    """Rows for the rates, which have the forcing, or 0, where rates are added to something."""
-    (a, b, _, _), k = layer.span, layer.scratch[SCRATCH:]
-    for c in each(layer.local.shape[0]) if layer.adds else ():
+def added_to_rates(layer):
+    """What is added to rates, (unknowns, points), or None: the forcing, then narrow terms."""
+    if not layer.narrow:
+        return layer.forcing
+    (a, b, _, _), rows = layer.span, layer.scratch[SCRATCH:]
+    for c in each(layer.local.shape[0]):
         for i in each(a, b, vector=True):
-            k[c, i] = 0.0 if layer.forcing is None else layer.forcing[c, i]
-    return k
+            rows[c, i] = 0.0 if layer.forcing is None else layer.forcing[c, i]
+    return rows
 
 
-def put(layer, k, i, rates):
-    """Store the rates of a point, or add them to what is there."""
+def put(layer, added, i, rates):
+    """Let rates take the place of the unknowns of a point, which nothing reads any more."""
     for c, rate in enumerate(rates):
-        k[c, i] = k[c, i] + rate if layer.adds else rate
+        layer.local[c, i] = rate if added is None else added[c, i] + rate
 
 
-def advance(layer, now, k):
-    """Replace the stage by the next one (fsipetsc.scheme.plan.next_stage), from the rates k. now:
-    (1,) its number, or RATES_ALONE, where rates take its place.
-    """
-    (a, b, _, _), dt = layer.span, layer.steps.batch[DT]
-    for stage in range(STAGES + 1):
-        with when(now[0] == float(stage)):
-            for c in each(layer.local.shape[0]):
-                q, y, total = layer.local[c], layer.y[c], layer.total[c]
-                for i in each(a, b, vector=True):
-                    if stage == RATES_ALONE:
-                        q[i] = k[c, i]
-                        continue
-                    base = y[i] if stage else q[i]
-                    before = total[i] if stage else base
-                    q[i], new_total = next_stage(stage, dt, k[c, i], base, before)
-                    if stage == 0:
-                        y[i] = base
-                    if stage < 3:
-                        total[i] = new_total
+def begin_step(layer):
+    """Keep the solution; its runs of numbers are those of this rank's active points."""
+    size, (a, b, _, _) = layer.local.shape[1], layer.span
+    for c in each(layer.local.shape[0]):
+        first = layer.at + c * size
+        layer.runs[c, 0], layer.runs[c, 1] = first + a, first + b
+        for i in each(a, b, vector=True):
+            layer.y[c, i] = layer.local[c, i]
 
 
 def entropy_keeping(gas, rho, m, e, rho_t, m_t, e_t, u_X):
@@ -128,10 +116,10 @@ def fluxes(gas, s, unknowns, u, T, u_X, T_X):
     return rho * relative, m * relative + pressing, energy
 
 
-def gas_rates(layer, now):
-    """The rates of (4.20), and what becomes of them."""
+def gas_rates(layer):
+    """The rates of (4.20), in the place of the unknowns."""
     op, gas, end, per_h, s = layer.op, layer.material, end_of(layer), 1.0 / layer.h, layer.frame[0]
-    w, k, span = layer.scratch, rows_of_rates(layer), layer.span
+    w, added, span = layer.scratch, added_to_rates(layer), layer.span
     (force,), (rho, m, e) = gas.force, (layer.local[c] for c in range(3))
     u, T, u_X, T_X, f, g, h = (w[c] for c in range(7))
     (f0, f1), (v0, v1) = (widened(span, reach) for reach in (op.reach, 2 * op.reach))
@@ -147,7 +135,7 @@ def gas_rates(layer, now):
             own_u.value, own_T.value = u[ghost], T[ghost]
             u[ghost], T[ghost] = end(layer, ghost).gradient()
     if layer.narrow:
-        narrow_gas(layer, w, k, span)
+        narrow_gas(layer, w, added, span)
     for i, near, gradients in derivatives(layer, (u, T), (f0, f1, A, B), per_h):
         if near:  # the two end points are needed again
             u_X[i], T_X[i] = gradients
@@ -163,8 +151,7 @@ def gas_rates(layer, now):
             rates = -f_X, -g_X, -h_X
             more = entropy_keeping(gas, rho[i], m[i], e[i], *rates, u_X[i])
             h_X = np.where((gas.kappa == 0.0) & (near[0] == 0), h_X - more, h_X)
-        put(layer, k, i, (-f_X, force * rho[i] - g_X, force * m[i] - h_X))
-    advance(layer, now, k)
+        put(layer, added, i, (-f_X, force * rho[i] - g_X, force * m[i] - h_X))
 
 
 def narrow_gas(layer, w, k, span):
@@ -179,27 +166,27 @@ def narrow_gas(layer, w, k, span):
         add_remainder(layer, -1.0 / (layer.h * layer.h), w[7 + term], y, scratch, rate, span)
 
 
-def elastic_rates(layer, now):
-    """The rates of (4.19), and what becomes of them."""
+def elastic_rates(layer):
+    """The rates of (4.19), in the place of the unknowns."""
     op, solid, per_h = layer.op, layer.material, 1.0 / layer.h
-    w, k, span = layer.scratch, rows_of_rates(layer), layer.span
+    w, added, span = layer.scratch, added_to_rates(layer), layer.span
     u, sigma, T, x = (layer.local[c] for c in range(4))
-    net, conducted, shorter = (w[c] for c in range(3))
+    net, conducted, shorter, velocity = (w[c] for c in range(4))
     wider = (*widened(span, op.reach), *span[2:])
     for i, _, (T_X, x_X) in derivatives(layer, (T, x), wider, per_h):
         r = 1.0 / x_X
         shorter[i], net[i] = r, sigma[i] - solid.pressure(T[i], x_X)
-        conducted[i] = solid.kappa_e * r * T_X
+        conducted[i], velocity[i] = solid.kappa_e * r * T_X, u[i]
     if layer.narrow:
-        scale, (by, *scratch) = layer.h * layer.h * solid.alpha * solid.m0, (w[3], w[4], w[5])
+        scale, (by, *scratch) = layer.h * layer.h * solid.alpha * solid.m0, (w[4], w[5], w[6])
         for i in each(*widened(span, min(op.reach, 2 * op.p)), vector=True):
             by[i] = solid.kappa_e * shorter[i]
-        add_remainder(layer, -1.0 / scale, by, T, scratch, k[2], span)
-    for i, _, (u_X, net_X, conducted_X) in derivatives(layer, (u, net, conducted), span, per_h):
+        add_remainder(layer, -1.0 / scale, by, T, scratch, added[2], span)
+    rows = velocity, net, conducted
+    for i, _, (u_X, net_X, conducted_X) in derivatives(layer, rows, span, per_h):
         acceleration = net_X / solid.m0 + solid.force
         warming = (net[i] * u_X + conducted_X) / (solid.alpha * solid.m0)
-        put(layer, k, i, (acceleration, solid.K * shorter[i] * u_X, warming, u[i]))
-    advance(layer, now, k)
+        put(layer, added, i, (acceleration, solid.K * shorter[i] * u_X, warming, u[i]))
 
 
 def stretch(layer):
@@ -208,7 +195,7 @@ def stretch(layer):
         layer.scratch[0, i] = x_X
 
 
-# after a step. steps: one record for all layers of this rank. batch, results: fsipetsc.scheme.plan;
+# after a step. steps: one record for all layers of this rank. results: fsipetsc.scheme.plan;
 # bounds: (layers, 2) of 1/dt; latest: masses of so many gases, energy, momentum, then interfaces
 
 
