@@ -106,7 +106,7 @@ def derivatives(state: Any, directions: Iterable[tuple[Any, Any]], order: int = 
     disturbance: numbers in the vector of unknowns, and by how much they change. Central differences
     of an order, 2 or 8.
     """
-    start, columns = state.solution.array.copy(), []
+    start, found = state.solution.array.copy(), ([], [])
     y, f = np.empty_like(start), np.empty_like(start)
     for at, change in directions:
         column = np.zeros((2, start.size))
@@ -117,8 +117,14 @@ def derivatives(state: Any, directions: Iterable[tuple[Any, Any]], order: int = 
                 state.right_hand_side(y, f)
                 state.project(y)
                 column += sign * weight * np.array([f, y])
-        columns.append([sparse.csc_matrix(of[:, None]) for of in column])
-    return [sparse.hstack(found, "csc") for found in zip(*columns)]
+        for known, of in zip(found, column):
+            known.append((rows := np.flatnonzero(of), of[rows]))
+    made = []
+    for rows, values in (zip(*known) for known in found):
+        ends = np.cumsum([0, *map(len, rows)])
+        parts = np.concatenate(values), np.concatenate(rows), ends
+        made.append(sparse.csc_matrix(parts, (start.size, len(rows))))
+    return made
 
 
 def step_limit(spectrum: Complex) -> float:
