@@ -266,7 +266,8 @@ class BlockState(State):
 
     def begin(self) -> None:
         for gas in self._gases:
-            gas.volume.rows[:] = 0.0  # no NaN may stay there for another step
+            for rows in vars(gas.volume.tile).values():
+                rows[:] = 0.0  # no NaN may stay there for another step
         self.load(1, self.y)
         self._do("fulfil", 1)
         self.show(0)
