@@ -49,33 +49,29 @@ _WHOLE = _ONLY_WHOLE | CONDITIONS | {"+", "-", "*", "neg", "where"}
 MOST_FACTORS = 8
 
 
-class NotRecorded(InputError):
-    """A formula does what cannot be recorded; the message has its name, file and line."""
-
-
-def refuse(what: str) -> NotRecorded:
+def refuse(what: str) -> InputError:
     """Return the error, with the line of the formula that was running."""
     frame = sys._getframe(1)
     inside = tuple(os.path.dirname(os.path.abspath(file)) for file in (__file__, np.__file__))
     while frame.f_back and os.path.abspath(frame.f_code.co_filename).startswith(inside):
         frame = frame.f_back
     code = frame.f_code
-    return NotRecorded(f"{code.co_name}, {code.co_filename}:{frame.f_lineno}: {what}")
+    return InputError(f"{code.co_name}, {code.co_filename}:{frame.f_lineno}: {what}")
 
 
 def numbers_of(values: Any, count: int = 0) -> Any:
-    """What a function returns as formulas take it: a number, or so many in a tuple. NotRecorded."""
+    """What a function returns as formulas take it: a number, or so many in a tuple. InputError."""
     several, kind = isinstance(values, (tuple, list, np.ndarray)), type(values).__name__
     if count and several and len(values) == count:
         return tuple(map(numbers_of, values))
     if count:
         found = kind + (f" of {len(values)}" if several else "")
-        raise NotRecorded(f"it returns a {found}: expected {counted(count, 'number')} in a tuple")
+        raise InputError(f"it returns a {found}: expected {counted(count, 'number')} in a tuple")
     if isinstance(values, Symbol) and values.kind == "double":
         return values
     if not isinstance(values, Real) or isinstance(values, bool) or isnan(values):
         found = "condition" if isinstance(values, Symbol) else kind
-        raise NotRecorded(f"it returns a {found}: expected a number")
+        raise InputError(f"it returns a {found}: expected a number")
     return float(values)
 
 

@@ -17,7 +17,7 @@ from fsipetsc.checks import described, number
 from fsipetsc.equations.tensors import apply
 from fsipetsc.equations.vectors import add
 from fsipetsc.errors import InputError, place_in, place_of, reason
-from fsipetsc.kernels.symbols import NotRecorded, Record, Symbol, derivatives, numbers_of, replay
+from fsipetsc.kernels.symbols import Record, Symbol, derivatives, numbers_of, replay
 from fsipetsc.materials.hyperelastic import NeoHookean
 from fsipetsc.materials.solid_pressure import ConstantPressure
 from fsipetsc.materials.stiffened_gas import PerfectGas
@@ -261,6 +261,6 @@ def _check(what: str, formula: Formula, given: Sequence[Any], returns: Formula) 
         returns(formula(*given))
     except Exception as error:  # of the user's function
         inside = place_in(error)
-        told = isinstance(error, NotRecorded) and inside  # the error says where
+        told = isinstance(error, InputError) and inside  # the error says where
         place = "" if told else f"{inside or place_of(formula)}: "
         raise InputError(f"{what}: {place}{reason(error)}") from error

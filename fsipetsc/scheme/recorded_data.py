@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.checks import datum
-from fsipetsc.errors import place_in, reason
+from fsipetsc.errors import InputError, place_in, reason
 from fsipetsc.kernels.loops import each
-from fsipetsc.kernels.symbols import NotRecorded, Record, Symbol, needed, numbers_of
+from fsipetsc.kernels.symbols import Record, Symbol, needed, numbers_of
 from fsipetsc.scheme.plan import DT, TIME
 
 Array = NDArray[Any]
@@ -57,7 +57,7 @@ def timed(sources: Sequence[Source]) -> tuple[list[Source], list[str]]:
             every = needed([record.constant(number) for row in rows for number in row])
             count = sum(symbol.value is None for symbol in every)
             if count > MOST:
-                raise NotRecorded(f"it has {count} operations: expected {MOST} at most")
+                raise InputError(f"it has {count} operations: expected {MOST} at most")
             if t in set(every):
                 found.append(one)
         except (Exception, SystemExit) as error:  # of the user's function
@@ -68,7 +68,7 @@ def timed(sources: Sequence[Source]) -> tuple[list[Source], list[str]]:
 
 def asked(condition: Any, name: str, x: Any, t: Any, names: Sequence[str] = ()) -> Any:
     """A datum of a condition at places x, of d components, and a time, numbers or symbols: a
-    number, or one for each name. InputError or NotRecorded.
+    number, or one for each name. InputError.
     """
     if not isinstance(t, Symbol):
         return datum(condition, name, np.transpose(x), t, names or None).T
