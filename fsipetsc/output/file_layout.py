@@ -47,7 +47,8 @@ import numpy as np
 from fsipetsc.checks import Array
 from fsipetsc.errors import FileError, FsiError, petsc_words, reason
 
-FORMAT, VERSION = "fsipetsc result", 4
+#: what each file of a result says of itself
+ABOUT = {"format": "fsipetsc result", "version": 4}
 NAMES = "names"  # attribute of the group of series: their names
 LIBVER = ("v110", "v110")
 _MAGIC = b"fsipetsc checkpoint "

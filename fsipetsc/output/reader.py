@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -68,8 +68,8 @@ class Run:
             called = short(path)
             with layout.damage(called), layout.open_h5(path) as file:
                 about: dict[str, Any] = json.loads(file["about"][()] if "about" in file else "{}")
-                if (about.get("format"), about.get("version")) != (layout.FORMAT, layout.VERSION):
-                    said = f"is not a result of fsipetsc, in its file format {layout.VERSION}"
+                if not layout.ABOUT.items() <= about.items():
+                    said = f"is not a result of fsipetsc, in its format {layout.ABOUT['version']}"
                     raise FileError(f"{called}: {said}")
                 layers = about["header"]["layers"]
                 times.append(layout.numbers(file["time"], None))
@@ -117,7 +117,7 @@ class Run:
         """
         names = self.interfaces if self.dimension == 2 else ()
         if k not in (*names, *range(-len(names), len(names))):
-            raise KeyError(_unknown("line of an interface", k, names))
+            raise KeyError(f"there is no interface {k!r} with a line; there are: {names}")
         self._need_frames()
         number = names.index(k) if isinstance(k, str) else k
         solid, axis, side = self.header["interface_faces"][number]
@@ -200,7 +200,7 @@ class Layer(Mapping[str, Array]):
 
     def __getitem__(self, name: str) -> Array:
         if name not in self.fields:
-            raise KeyError(_unknown(f"field of {self.name!r} named", name, self.fields))
+            raise KeyError(f"{self.name!r} has no field {name!r}; it has: {self.fields}")
         if name not in self._kept:
             (self._kept[name],) = self.read([name], 0, self._run.nframes)
         return self._kept[name]
@@ -287,7 +287,3 @@ def open_run(path: str | os.PathLike[str]) -> Run:
         FileError: there is no such file, it is no result of fsipetsc, or it is damaged.
     """
     return Run(path)
-
-
-def _unknown(what: str, name: object, valid: Iterable[str]) -> str:
-    return f"there is no {what} {name!r}; there are: {', '.join(map(str, valid)) or 'none'}"

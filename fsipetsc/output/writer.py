@@ -81,11 +81,7 @@ class RunWriter:
         self._times: list[float] = []  # of these
         self._new_rows: list[Array] = []  # likewise; on rank 0
         self._lock: IO[str] | None = None  # on rank 0
-        self._about: dict[str, Any] = {
-            "format": layout.FORMAT,
-            "version": layout.VERSION,
-            "header": header,
-        }
+        self._about = {**layout.ABOUT, "header": header}
         self.path = Path(os.path.realpath(path))
         self.folder = beside(self.path, ".parts")
         self.moved: list[tuple[Path, Path]] = []

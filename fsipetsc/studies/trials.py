@@ -14,7 +14,6 @@ from itertools import count, groupby, pairwise
 from math import log, nan
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -192,22 +191,6 @@ class Trial:
         row.errors.append(error)
         row.pairs.append(pair or ("", ""))
         row.rate, row.most = rate, most
-
-
-#: entries by name, in the order of the table, once their file is imported: the function
-#: ``measure``; for the levels ``quick`` and ``full`` order of the operators -> cells in ``length``
-ENTRIES: dict[str, Any] = {}
-
-
-def entry(quick: Any, full: Any, length: float = 1.0) -> Callable[[Any], Any]:
-    """Make a function of a Trial an entry of its own name; problems/NAME.md says the rest."""
-
-    def registered(measure: Any) -> Any:
-        about = {"quick": quick, "full": full, "length": length}
-        ENTRIES[measure.__name__] = SimpleNamespace(measure=measure, **about)
-        return measure
-
-    return registered
 
 
 def reference(name: str) -> dict[str, Array]:
