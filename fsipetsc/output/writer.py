@@ -115,11 +115,9 @@ class RunWriter:
             least = max(SECONDS, 50 * (done - begun), 0.01 * (done - self._begun))
             self._next_flush = done + least
 
-    def finish(
-        self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None = None, join: bool = True
-    ) -> None:
-        """Write the rest, the summary and, if known, the errors of the solution; join the pieces
-        into one file, which takes as long as it is large. Collective.
+    def finish(self, summary: Mapping[str, Any], errors: Any, join: bool) -> None:
+        """Write the rest, the summary and the errors of the solution, None if they are not known;
+        join the pieces into one file, if that is wanted: a large one takes long. Collective.
         """
         self.flush()
         self._about |= {"summary": summary, "errors": errors or {}}
