@@ -42,9 +42,6 @@ from fsipetsc.kernels.loops import each, stop, variable
 from fsipetsc.operators.sbp import row_length
 from fsipetsc.paper.layers import Layer
 
-#: names of what is noted of an interface
-AT_INTERFACES = "x_interface", "u_interface", "sigma_interface", "T_interface", "residual_u"
-AT_INTERFACES += "residual_stress", "residual_T", "residual_flux"
 #: of a point of a solid
 UNKNOWNS = "u", "sigma", "T", "x"
 #: the conductivity at the interface has the temperature that it leads to, but for this fraction, or
@@ -109,7 +106,7 @@ def interface_of(pair: Sequence[Layer], number: int, me: int, kind: str, notes: 
 
 
 def note(of):
-    """Note AT_INTERFACES of an interface."""
+    """Note x, u, sigma, T and the residuals of the four conditions of an interface."""
     u, sigma, T, x = of.solid_at(0)
     for row, value in enumerate((x, u, sigma, T, *residuals(of))):
         of.notes[row, of.number] = value

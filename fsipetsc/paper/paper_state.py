@@ -28,12 +28,12 @@ from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import ends, rates
-from fsipetsc.paper.coupling import AT_INTERFACES, couple, interface_of, note
+from fsipetsc.paper.coupling import couple, interface_of, note
 from fsipetsc.paper.layers import check_ends, check_form, exchanges_of, layers_of
 from fsipetsc.parallel.exchange import Reduction, exchange_text
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import agree, libraries, together
-from fsipetsc.scheme.observables import record
+from fsipetsc.scheme.observables import SERIES, record
 from fsipetsc.scheme.plan import OFF_GRID, STAGES, advance, plan_next
 from fsipetsc.state import State
 
@@ -47,11 +47,9 @@ OF_LAYERS: dict[str, dict[str, Any]] = {
 }
 #: what `jumps` of a problem returns
 JUMPS = "g_u", "g_stress", "g_T", "g_flux"
-
-
-#: what is noted of a step: from the third name on shares of the ranks, at interfaces those of the
-#: owner of the solid
-NOTED = "t", "dt", "mass", "energy", "momentum", *AT_INTERFACES
+#: what is noted of a step: from mass on shares of ranks, at interfaces of the owner of the solid
+_AT_INTERFACES = [name for name, one in SERIES.items() if one.of == "interface"]
+NOTED = "t", "dt", "mass", "energy", "momentum", *_AT_INTERFACES
 
 
 class PaperState(State):
