@@ -8,7 +8,7 @@ from unittest.mock import Mock
 import h5py
 import numpy as np
 import pytest
-from helpers import message, solve, well
+from helpers import kept, message, solve, well
 
 import fsipetsc
 from fsipetsc.errors import FileError
@@ -131,3 +131,16 @@ def test_what_was_given_up_is_not_gone_on_from(tmp_path):
     shutil.copy(tmp_path / "rod.1.h5", tmp_path / "rod.parts" / "000001.h5")
     assert goes_on(tmp_path, *WORDS, 26, "-fsi_restart", "auto") == f"{NEWEST}: step 25"
     assert (tmp_path / "rod.2.parts" / "000001.h5").exists(), "the pieces of another run"
+
+
+def test_a_result_that_begins_at_a_restart_is_held_to_its_laws_from_there(tmp_path):
+    """Gas has left by the open end before: its mass and energy count from the restart."""
+    words = "rod -fsi_h 0.05 -ts_max_time 1 -fsi_checkpoint_steps 300 -ts_max_steps".split()
+    assert goes_on(tmp_path, *words, 300, ranks=2) == ""
+    own = "-fsi_restart", NEWEST, "-fsi_output", "own.h5"
+    assert goes_on(tmp_path, *words, 600, *own, ranks=2) == f"{NEWEST}: step 300"
+    begun, gone_on = (fsipetsc.open_run(tmp_path / name) for name in ("rod.h5", "own.h5"))
+    assert kept(gone_on, 1e-12).series["t"].size == 300
+    reached = {name: begun.series[name][-1] for name in ("mass", "energy", "momentum_x")}
+    for name, value in reached.items():
+        assert np.array_equal(gone_on.summary[f"initial_{name}"], value), name
