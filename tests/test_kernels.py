@@ -21,7 +21,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.kernels import build
 from fsipetsc.kernels.kernel import PLANES, Kernel, floats_of, unit
 from fsipetsc.kernels.loops import each, number, otherwise, pick, stop, variable, when, whole
-from fsipetsc.kernels.symbols import Record, derivatives, exact, replay
+from fsipetsc.kernels.symbols import MADE, Record, derivatives, exact, replay
 from fsipetsc.materials.stiffened_gas import PerfectGas
 from fsipetsc.materials.sutherland import ConstantTransport
 from fsipetsc.scheme.gas_sweep import gas_kernels
@@ -65,6 +65,13 @@ def in_C(formula, x):
 def test_a_recorded_formula_computes_what_it_does_in_python():
     x = np.random.default_rng(1).uniform(0.1, 2.0, (3, 1003))
     np.testing.assert_allclose(in_C(every_operation, x), every_operation(*x), 1e-14, 1e-14)
+
+
+def test_functions_that_are_made_of_others():
+    x = np.random.default_rng(1).uniform(0.5, 1.0, (1, 1003))
+    for function, formula in MADE.items():
+        np.testing.assert_allclose(formula(*x), function(*x), rtol=1e-13)
+        np.testing.assert_allclose(in_C(function, x), function(*x), rtol=1e-13)
 
 
 def test_equal_operations_are_done_once_and_products_are_fused():

@@ -40,6 +40,16 @@ OPERATIONS: dict[Any, str] = {
     **{np.sin: "sin", np.cos: "cos", np.tanh: "tanh"},
     **{np.floor_divide: "quotient", np.remainder: "remainder_of"},
 }
+#: functions that are made of these
+MADE: dict[Any, Callable[[Any], Any]] = {
+    np.exp2: lambda x: 2.0**x,
+    np.log2: lambda x: 1.4426950408889634 * np.log(x),
+    np.log10: lambda x: 0.4342944819032518 * np.log(x),
+    np.cbrt: lambda x: np.sign(x) * abs(x) ** (1.0 / 3.0),
+    np.tan: lambda x: np.sin(x) / np.cos(x),
+    np.sinh: lambda x: 0.5 * (np.expm1(x) - np.expm1(-x)),
+    np.cosh: lambda x: 0.5 * (np.exp(x) + np.exp(-x)),
+}
 #: operations whose result is true or false
 CONDITIONS = frozenset({">", "<", ">=", "<=", "==", "!=", "&", "|", "not"})
 #: operations on whole numbers alone, and all on whole numbers
@@ -96,6 +106,8 @@ class Symbol(NDArrayOperatorsMixin):
     def __array_ufunc__(self, function: Any, method: str, *given: Any, **more: Any) -> Any:
         more.pop("out", None)  # of a += b: another symbol is what a is then
         if method == "__call__" and not more:
+            if function in MADE:
+                return MADE[function](*given)
             if function is np.power:
                 return _power(self.record, *given)
             if function in OPERATIONS:
