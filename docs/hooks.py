@@ -123,8 +123,7 @@ def options_page() -> str:
         case = load_case(name)
         add_own(name, case.SUMMARY, case.OPTIONS)
     for name, command in COMMANDS.items():
-        every = {} if command.by_one else command.find("SECTIONS") or {"": command.find("OPTIONS")}
-        if found := [option for of in every.values() for option in of or ()]:
+        if found := not command.by_one and command.find("OPTIONS"):
             add_own(name, command.summary, found)
     return "\n\n".join(parts) + "\n"
 

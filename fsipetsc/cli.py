@@ -24,8 +24,7 @@ class Command(NamedTuple):
 
     By one process: a function of the files and, where there are any, the options as given, which
     returns what is printed. Else by all ranks: a function of the arguments and the communicator;
-    SECTIONS of the module, heading -> options, are those that -help lists, OPTIONS those beside the
-    options of a case.
+    OPTIONS of the module are its own, beside those of a case.
     """
 
     arguments: str
@@ -108,10 +107,11 @@ def _main(arguments: list[str]) -> int:
             world = start_mpi(alone=True)
             notes = world.Dup()
             if first in COMMANDS:
-                usage = COMMANDS[first].arguments
-                if usage.startswith("CASE") and (not arguments[1:] or is_option(arguments[1])):
+                command, rest = COMMANDS[first], arguments[1:]
+                usage = command.arguments
+                if usage.startswith("CASE") and (not rest or is_option(rest[0])):
                     raise InputError(f"{first}: CASE is missing: {PROGRAM} {first} {usage}")
-                COMMANDS[first].find(first)(arguments[1:], world)
+                command.find(first)(rest, world)
             else:
                 case = together(world, lambda: load_case(first, tuple(COMMANDS)))
                 given = start_petsc(arguments[1:], world)
@@ -144,10 +144,9 @@ def _answer(first: str, rest: list[str]) -> None:
     elif (command := COMMANDS[first]).by_one:
         print(f"{PROGRAM} {first} {command.arguments}\n\n  {command.summary}")
     else:
-        sections, own = command.find("SECTIONS"), command.find("OPTIONS") or ()
-        if sections is None:
-            named = bool(rest) and not is_option(rest[0])
-            sections = groups(load_case(rest[0]), own) if named else {"This command": own}
+        own = command.find("OPTIONS") or ()
+        named = command.arguments.startswith("CASE") and not is_option(rest[0])
+        sections = groups(load_case(rest[0]), own) if named else {"This command": own}
         about = f"{first}: {command.summary}", f"{first} {command.arguments}"
         print(_options_help(*about, sections))
 

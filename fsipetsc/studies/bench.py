@@ -36,7 +36,7 @@ FORMS = {
 }
 COLUMNS = "problem order form n ranks step_us ns_node_rhs other_us ratio speed_up".split()
 _WHAT = "0: the rod; 1, 2, 3: gas | solid in that number of dimensions"
-SECTIONS = {"Benchmark": (
+OPTIONS = (
     Option("bench_problems", "ints", (0, 1, 2, 3), "", _WHAT, check=listed_in((0, 1, 2, 3))),
     Option("bench_orders", "ints", (4,), "", "operators' orders", check=listed_in((2, 4, 6, 8))),
     Option("bench_form", str, "all", "", "form of gas | solid", ("all", *FORMS)),
@@ -51,7 +51,7 @@ SECTIONS = {"Benchmark": (
     Option("bench_square_program", str, None, "", "the same for gas | solid, 2-D"),
     Option("fsi_output", str, "bench", "", "base name of the table NAME.csv"),
     *(option for option in RUN if option.name in ("fsi_quiet", "fsi_partition")),
-)}  # fmt: skip
+)  # fmt: skip
 
 
 def bench(arguments: list[str], comm: Comm) -> None:
@@ -59,7 +59,7 @@ def bench(arguments: list[str], comm: Comm) -> None:
 
     InputError for options, ranks that do not fit, another program that does not run; FileError.
     """
-    study = Study(comm, arguments, SECTIONS)
+    study = Study(comm, arguments, OPTIONS)
     opt = study.opt
     counts = sorted({*(opt["bench_ranks"] or [1 << k for k in range(16) if 1 << k <= comm.size])})
     if comm.size < (most := counts[-1]):

@@ -47,7 +47,7 @@ COUPLINGS, ORDERS = ("conservative", "energy", "projection", "traditional"), tup
 _EOS = "pressure p = G rho epsilon that balances the gas, or none: sigma = -p of the gas"
 _DENSITY = "density of the solid over the gas's; all have the same specific heat of a volume"
 _ABOVE = {"check": "positive"}
-SECTIONS = {"Stability": (
+OPTIONS = (
     *materials(fluid_mu=0.01, fluid_kappa=0.03, fluid_gamma=1.4),
     *materials(solid_alpha=2.5, solid_kappa=0.02),
     Option("solid_eos", str, "ideal", "", _EOS, ("ideal", "elastic")),
@@ -60,13 +60,13 @@ SECTIONS = {"Stability": (
     Option("stability_points", int, 32, "", "points of each of the two layers", **_ABOVE),
     Option("fsi_output", str, "stability", "", "base name of the table NAME.csv"),
     *(option for option in RUN if option.name == "fsi_quiet"),
-)}  # fmt: skip
+)  # fmt: skip
 
 
 def stability(arguments: list[str], comm: Comm) -> None:
     """Run the command. Collective, rank 0 computes; InputError; ComputationError if a promise is
     not kept."""
-    study = Study(comm, arguments, SECTIONS)
+    study = Study(comm, arguments, OPTIONS)
     opt, coupling = study.opt, study.opt["fsi_coupling"]
     grid = opt["stability_points"], opt["fsi_h"]
     pressing = gruneisen(1.0 / opt["solid_alpha"]) if opt["solid_eos"] == "ideal" else None

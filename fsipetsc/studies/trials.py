@@ -204,9 +204,9 @@ class Study:
     """A command of this folder as it runs on all ranks of comm. Making one, and all methods but
     ``say``, are collective.
 
-    words: arguments of the command. options: heading -> its options, or with a case those beside
-    the case's. name: of its CSV file if none is given. opt: the options in force; given: those that
-    were given; path: of the CSV file. InputError, FileError.
+    words: arguments of the command. options: its own, beside those of a case. name: of its CSV file
+    if none is given. opt: the options in force; given: those that were given; path: of the CSV
+    file. InputError, FileError.
     """
 
     def __init__(
@@ -214,7 +214,7 @@ class Study:
     ) -> None:
         self.comm, self.given = comm, start_petsc(words, comm)
         if case is None:
-            self.opt = read_table(options, self.given)
+            self.opt = read_table({"": options}, self.given)
         else:
             self.opt = read_options(case, self.given, options)
             if self.opt["fsi_restart"] is not None:

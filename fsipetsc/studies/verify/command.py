@@ -15,14 +15,12 @@ from fsipetsc.output.file_layout import writing
 from fsipetsc.process.together import Comm
 from fsipetsc.studies.trials import HEAD, Row, Study, picture
 
-SECTIONS = {
-    "Verification": (
-        Option("verify_level", str, "quick", "", "how many grids and orders", ("quick", "full")),
-        Option("verify_docs", str, None, "", "folder for a page and a picture of each entry"),
-        Option("fsi_output", str, "verify", "", "base name of the table NAME.csv and the pictures"),
-        *(option for option in RUN if option.name == "fsi_quiet"),
-    )
-}
+OPTIONS = (
+    Option("verify_level", str, "quick", "", "how many grids and orders", ("quick", "full")),
+    Option("verify_docs", str, None, "", "folder for a page and a picture of each entry"),
+    Option("fsi_output", str, "verify", "", "base name of the table NAME.csv and the pictures"),
+    *(option for option in RUN if option.name == "fsi_quiet"),
+)
 
 
 #: entry, a function of fsipetsc.studies.verify.entries -> for the levels quick and full: order of
@@ -54,7 +52,7 @@ def verify(arguments: list[str], comm: Comm) -> None:
     Raises InputError; ComputationError at the end where a row falls short; FileError.
     """
     names = list(takewhile(lambda word: not word.startswith("-"), arguments))
-    study = Study(comm, arguments[len(names) :], SECTIONS)
+    study = Study(comm, arguments[len(names) :], OPTIONS)
     for name in names:
         if name not in GRIDS:
             raise InputError(f"verify: there is no entry {name!r}: expected {', '.join(GRIDS)}")
