@@ -17,7 +17,6 @@ values: arrays and numbers of the records are pointers and numbers in a struct t
 
 import ctypes
 import inspect
-import re
 import struct
 from collections.abc import Callable, Sequence
 from functools import cache
@@ -106,9 +105,7 @@ class Procedure(Called):
 
     def _text(self, says: str, record: Recording) -> str:
         lines = printed(record, record.items)
-        found = set(re.findall(r"\w+", "\n".join(lines)))
-        self._used = {name: value for name, value in self._values.items() if name in found}
-        kinds = {name: _kind(value) for name, value in self._used.items()}
+        kinds = {name: _kind(value) for name, value in self._values.items()}
         y, f = (*self.vectors, "unused", "unused_too")[:2]
         return "\n".join(
             [
@@ -127,7 +124,7 @@ class Procedure(Called):
     def load(self, library: ctypes.CDLL) -> None:
         """Take the compiled function, and fill the struct with what the records have."""
         super().load(library)
-        values = self._used.values()
+        values = self._values.values()
         numbers = (v.ctypes.data if isinstance(v, np.ndarray) else v for v in values)
         kinds = "".join("d" if isinstance(v, float) else "q" for v in values)
         self._memory = ctypes.create_string_buffer(struct.pack(kinds, *numbers))
