@@ -132,6 +132,8 @@ def block_values(block: Any, what: str, X: Array, t: float) -> list[Array]:
     where = f"{what} of {block}" + ("" if first else f" at t = {t:.6g}")
     names = getattr(block, "unknowns", None) or names_of(block.kind, what, len(X))
     arguments, function = tuple(X) if first else (*X, t), getattr(block, what)
+    if not X.size:  # no point of a layer is active here
+        return [np.empty(0)] * len(names)
     return checked(function, arguments, X, names, where, what != "forcing")
 
 

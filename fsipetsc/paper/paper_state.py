@@ -152,12 +152,11 @@ class PaperState(State):
     def used_up(self) -> str:
         """Which gas has no points left, or too few, and where it is."""
         layer, m = self.layers[int(self.results[OFF_GRID]) - 1], self.problem.unit("m")
-        x, most = self._frames()[-1, layer.number], layer.local.shape[1]
-        return (
-            f"fluid {layer.layer} has become too short or too long (the {self.op.name} operator "
-            f"needs {layer.least} points, and there are {most}), with its interface at "
-            f"x = {x:.6g}{m} and its boundary at x = {layer.end_x:.6g}{m}"
-        )
+        lo, hi, _, x = self._frames()[:, layer.number]
+        short = f"become too short (the {self.op.name} operator needs {layer.least} points)"
+        what = short if hi - lo < layer.least else "used up its points"
+        where = f"its interface at x = {x:.6g}{m} and its boundary at x = {layer.end_x:.6g}{m}"
+        return f"fluid {layer.layer} has {what}, with {where}"
 
     def owned(self, k: int) -> Array:
         return self.layers[k].owned.T
