@@ -22,6 +22,7 @@ MEMBERS = {
     "fsipetsc.Fluid": "sound_speed cv",
     "fsipetsc.Solid": "pressure sound_speed",
     "fsipetsc.materials.solid.ElasticSolid": "K",
+    "fsipetsc.mesh_files.Grid": "faces",
 }
 
 
