@@ -85,6 +85,14 @@ def numbers_of(values: Any, count: int = 0) -> Any:
     return float(values)
 
 
+def _operators(operation: str) -> tuple[Any, Any]:
+    """An operator and its reflection, which need not go through numpy to come to `apply`."""
+    return (
+        lambda self, other: self.record.apply(operation, self, other),
+        lambda self, other: self.record.apply(operation, other, self),
+    )
+
+
 class Symbol(NDArrayOperatorsMixin):
     """A number of a record: what is given, a constant, or what an operation makes of operands.
 
@@ -102,6 +110,11 @@ class Symbol(NDArrayOperatorsMixin):
         self.uniform = all([operand.uniform for operand in operands])
         self.text, self.value = "", None
         self.number = len(record.symbols)
+
+    __add__, __radd__ = _operators("+")
+    __sub__, __rsub__ = _operators("-")
+    __mul__, __rmul__ = _operators("*")
+    __truediv__, __rtruediv__ = _operators("/")
 
     def __array_ufunc__(self, function: Any, method: str, *given: Any, **more: Any) -> Any:
         more.pop("out", None)  # of a += b: another symbol is what a is then
