@@ -96,7 +96,7 @@ def convergence(arguments: list[str], comm: Comm) -> None:
         study.add(case.NAME, source, rows, costs)  # the table is written again after each order
         study.say("")
         combined += [row for row in rows if row.quantity.endswith("/combined")]
-        study.on_first(partial(picture, about, combined, study.path.with_suffix(".png")))
+        study.on_first(partial(picture, about, combined, study.path.with_suffix(".png"), False))
     study.say(f"saved {study.path}")
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from importlib.resources import files
 from importlib.util import find_spec
-from itertools import count, groupby, pairwise
+from itertools import count, pairwise
 from math import log, nan
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -87,27 +87,31 @@ class Row:
         return self.quantity, str(self.order), *lists, self.expected, self.verdict
 
 
-def picture(title: str, rows: Sequence[Row], path: Path) -> None:
-    """Errors over grid spacings: a panel for each order, a line for each quantity; nothing without
-    matplotlib or rows. FileError.
+def picture(title: str, rows: Sequence[Row], path: Path, by_order: bool = True) -> None:
+    """Errors over grid spacings: a panel for each order, a line for each quantity, or the other way
+    round; nothing without matplotlib or rows. FileError.
     """
     if not rows or find_spec("matplotlib") is None:
         return
     import matplotlib
     from matplotlib.figure import Figure
 
-    panels = [(order, list(some)) for order, some in groupby(rows, lambda row: row.order)]
+    panels = dict[str, dict[str, Row]]()
+    for row in rows:
+        names = OPERATORS[row.order].name, row.quantity
+        panel, line = names if by_order else names[::-1]
+        panels.setdefault(panel, {})[line] = row
     with matplotlib.rc_context({**drawing.STYLE, "savefig.dpi": 80}):
         columns, lines = min(3, len(panels)), -(-len(panels) // 3)
         figure = Figure(figsize=(2.0 + 5.0 * columns, 4.2 * lines), layout="constrained")
         places = drawing.panels(figure, len(panels), columns)
-        for axes, (order, of_order) in zip(places, panels, strict=True):
-            for row in of_order:
+        for axes, (panel, some) in zip(places, panels.items(), strict=True):
+            for line, row in some.items():
                 # a logarithmic axis has no place for 0
                 errors = np.where(np.array(row.errors) > 0.0, row.errors, np.nan)
-                axes.loglog(row.spacings, errors, "o-", markersize=4, label=row.quantity)
-            axes.set(title=OPERATORS[order].name, xlabel="grid spacing h", ylabel="errors")
-            spacings = sorted({h for row in of_order for h in row.spacings})
+                axes.loglog(row.spacings, errors, "o-", markersize=4, label=line)
+            axes.set(title=panel, xlabel="grid spacing h", ylabel="errors")
+            spacings = sorted({h for row in some.values() for h in row.spacings})
             axes.set_xticks([], minor=True)
             axes.set_xticks(spacings, [f"{h:.4g}" for h in spacings], fontsize=8)
             axes.legend(fontsize="x-small", loc="upper left", bbox_to_anchor=(1.0, 1.0))
