@@ -88,8 +88,9 @@ class SolidSweep(Sweep):
 
     def find_strains(self, x, n, y, z):
         """Store F."""
-        F = self.f[0, self.own_at(x, y, z) :]
-        self.kernels.strain(n, F=F, M=self.M, **self.given(x, y, z))
+        for begin, count, kind in kinds(x, n, y, z, self.inside):
+            F = self.f[0, self.own_at(begin, y, z) :]
+            self.kernels.strains[kind](count, F=F, M=self.M, **self.given(begin, y, z))
 
     def store(self, x, n, y, z):
         """Store rates, but the next stage of nodes to whose rates nothing is added."""
@@ -101,8 +102,8 @@ class SolidSweep(Sweep):
 
 @kept
 def solid_kernels(solid: Any, d: int, order: int, prestressed: bool) -> SimpleNamespace:
-    """All kernels of a solid in d dimensions; order: of the operators. pulls, stores: those
-    of any nodes, and of those inside of a block. conduct: None without conduction.
+    """All kernels of a solid in d dimensions; order: of the operators. strains, pulls, stores:
+    those of any nodes, and of those inside of a block. conduct: None without conduction.
     """
     reach = OPERATORS[order].reach
     near, inside = (0, reach), (order // 2, reach)
@@ -110,7 +111,7 @@ def solid_kernels(solid: Any, d: int, order: int, prestressed: bool) -> SimpleNa
     return SimpleNamespace(
         near=inside,
         load=_load(d),
-        strain=_strain(solid, d, near),
+        strains=tuple(_strain(solid, d, of) for of in both),
         pulls=tuple(_pull(solid, d, of, prestressed) for of in both),
         stores=tuple(_accelerate(solid, d, of, *kind) for of in both for kind in enumerate(KINDS)),
         conduct=_conduct(solid, d, near) if solid.kappa > 0.0 else None,
@@ -137,7 +138,8 @@ def _load(d: int) -> Kernel:
 
 
 def _strain(solid: Any, d: int, near: Near) -> Kernel:
-    kernel = Kernel("solid_strain", "F = 1 + 1/J0 sum_k D_k D A^k, with the stretch of hoops.")
+    says = "F = 1 + 1/J0 sum_k D_k D A^k, with the stretch of hoops."
+    kernel = Kernel("solid_strain" + "_inside" * (near[0] > 0), says)
     solid = kernel.parameters(solid)
     kernel.store("F", OWNED, _found_strain(kernel, solid, d, near))
     return kernel
