@@ -50,14 +50,8 @@ def test_a_panel_in_a_wall():
     assert [seen(found, k) for k in range(4)] == [dict(zip(places, faces)) for faces in wanted]
 
 
-LOW = gas((0.0, 0.5))
-WRONG = {
-    "ends at 0.5, 'solid' begins at 0.6": lambda: fit(LOW, solid((0.6, 1.0))),
-    "0.125 apart from 0 to 1": lambda: fit(LOW, solid((0.5, 1.0), span=[(0.1, 0.6)])),
-}
-
-
-@pytest.mark.parametrize("words", WRONG)
-def test_what_layers_cannot_be(words):
-    with pytest.raises(InputError, match=words):
-        WRONG[words]()
+def test_what_layers_cannot_be():
+    with pytest.raises(InputError, match=r"ends at 0\.5, 'solid' begins at 0\.6"):
+        fit(gas((0.0, 0.5)), solid((0.6, 1.0)))
+    with pytest.raises(InputError, match=r"0\.125 apart from 0 to 1"):
+        fit(gas((0.0, 0.5)), solid((0.5, 1.0), span=[(0.1, 0.6)]))
