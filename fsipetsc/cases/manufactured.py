@@ -6,6 +6,7 @@ are at places comes from the record. Places are (*X, t), d arrays of one shape a
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from itertools import zip_longest
 from typing import Any
 
 import numpy as np
@@ -30,14 +31,16 @@ SAME_BITS = {"log": elementary.log, "log1p": lambda x: elementary.log(1.0 + x)}
 
 
 def recorded(count: int, formula: Callable[..., Numbers]) -> Callable[..., list[Any]]:
-    """A function of so many arrays of one shape, and of numbers, by a formula that runs once."""
+    """A function of so many arrays of one shape, and of numbers, by a formula that runs once. The
+    numbers at the end, such as the time, are 0 where they are not given.
+    """
     record = Record()
     given = [record.given(f"x{k}") for k in range(count)]
     values_of = replay([record.constant(number) for number in formula(*given)])
 
     def called(*where: Any) -> list[Any]:
-        found = values_of(dict(zip(given, where, strict=True)), **SAME_BITS)
-        return [value + 0.0 * where[0] for value in found]
+        known = dict(zip_longest(given, where, fillvalue=0.0))
+        return [value + 0.0 * where[0] for value in values_of(known, **SAME_BITS)]
 
     return called
 
@@ -115,10 +118,8 @@ class Solution:
         P, c = body.solid_law.stress(F), tensors.cofactor(F)
         scaled = scale(body.kappa_e / tensors.determinant(F), tensors.apply(c, gradient((T,), X)))
         heat, work = tensors.apply(tensors.transpose(c), scaled), dot(P, gradient(v, X))
-        flux = [
-            scale(-1.0, (*t_k, h_k))
-            for t_k, h_k in zip(tensors.rows(tensors.transpose(P)), heat, strict=True)
-        ]
+        tractions = tensors.rows(tensors.transpose(P))
+        flux = [scale(-1.0, (*t_k, h_k)) for t_k, h_k in zip(tractions, heat)]
         return scale(body.m0, (*v, body.alpha * T)), flux, work
 
     def _on_gas(self, *where: Any) -> Numbers:
@@ -143,16 +144,16 @@ class Solution:
 class Flat(Solution):
     """The solution of box_mms, in the coordinates p, q, eta of its three-dimensional form."""
 
-    def _along(self, where: Numbers) -> tuple[Any, Any, Any]:
-        """Return p, q and 1 + .2 sin 2 pi q."""
+    def _space(self, where: Numbers) -> Numbers:
+        """Return p, q, 1 + .2 sin 2 pi q, eta and t."""
         p, q = (*where[:-2], *(0.125, 0.0)[self.d - 1 :])
-        return p, q, 1.0 + 0.2 * np.sin(TURN * q)
+        return p, q, 1.0 + 0.2 * np.sin(TURN * q), *where[-2:]
 
     def _axes(self, *vector: Any) -> Numbers:
         return tuple(vector[axis] for axis in {1: (2,), 2: (0, 2), 3: (0, 1, 2)}[self.d])
 
     def displacement(self, *where: Any) -> Numbers:
-        (p, q, ripple), (eta, t) = self._along(where), where[-2:]
+        p, q, ripple, eta, t = self._space(where)
         return self._axes(
             0.06 * np.sin(TURN * p + t) * np.cos(eta + 2.0 * t) * ripple,
             0.05 * np.sin(TURN * q - t) * np.cos(TURN * p + 2.0 * t) * np.sin(eta + t),
@@ -164,7 +165,7 @@ class Flat(Solution):
         return scale(eta, self.displacement(*along_layers, 1.0, t))
 
     def drift(self, *where: Any) -> Numbers:
-        (p, q, ripple), (eta, t) = self._along(where), where[-2:]
+        p, q, ripple, eta, t = self._space(where)
         drift = self._axes(
             0.6 * np.sin(TURN * p - t),
             0.4 * np.sin(TURN * q + t),
@@ -173,11 +174,11 @@ class Flat(Solution):
         return scale(eta * (1.0 - eta), drift)
 
     def T(self, *where: Any) -> Any:
-        (p, _, ripple), (eta, t) = self._along(where), where[-2:]
+        p, _, ripple, eta, t = self._space(where)
         return 1.0 + 0.15 * np.sin(TURN * p + t) * np.cos(2.0 * eta - t) * ripple
 
     def rho(self, *where: Any) -> Any:
-        (p, _, ripple), (eta, t) = self._along(where), where[-2:]
+        p, _, ripple, eta, t = self._space(where)
         return 1.0 + 0.2 * np.cos(TURN * p - t) * np.sin(2.0 * eta + t) * ripple
 
 
@@ -202,12 +203,10 @@ def box_mms(opt: Opt) -> BlockProblem:
     def layer(name, material, low, of, forcing):
         sides = None if opt["box_periodic"] or d == 1 else Given(of)
         more = {"sides": sides, "forcing": forcing, "exact": of}
-        return Layer(name, material, (low, low + 1.0), lambda *X: of(*X, 0.0), **more)
+        return Layer(name, material, (low, low + 1.0), of, **more)
 
-    def supplied(*where):
-        *beside, _, t = where
-        zero = 0.0 * where[0]
-        return exact.jump(*beside, 1.0 + zero, t, *[zero] * (d - 1), 1.0 + zero)
+    def supplied(*where):  # the normal is that of the axis eta
+        return exact.jump(*where, *[0.0] * (d - 1), 1.0)
 
     below = layer("gas", exact.fluid, 0.0, exact.exact_gas, exact.force_gas)
     above = layer("solid", exact.body, 1.0, exact.exact_solid, exact.force_solid)
@@ -228,9 +227,7 @@ class Disk(Solution):
     def __init__(self, opt: Opt) -> None:
         super().__init__(2, opt)
         self._newton = recorded(5, self._nearer)
-        exact, force = self.exact_gas, self.force_gas
-        self.exact_gas = lambda *at: exact(*self.labels(*at), at[-1])
-        self.force_gas = lambda *at: force(*self.labels(*at), at[-1])
+        self.exact_gas, self.force_gas = map(self._at_nodes, (self.exact_gas, self.force_gas))
 
     def displacement(self, X: Any, Y: Any, t: Any) -> Numbers:
         return 0.06 * np.sin(1.9 * X + 0.7 * Y + t), 0.06 * np.cos(1.3 * X - 1.7 * Y + 2.0 * t)
@@ -254,12 +251,16 @@ class Disk(Solution):
         change = tensors.apply(tensors.transpose(tensors.cofactor(F)), apart)
         return along((X, Y), -1.0 / tensors.determinant(F), change)
 
-    def labels(self, X: Array, Y: Array, t: float) -> Fields:
-        """The labels of the nodes of the gas's grid, to round-off."""
-        found, x = (X, Y), self.grid(X, Y, t)[:2]
-        for _ in range(5):
-            found = self._newton(*found, t, *x)
-        return found
+    def _at_nodes(self, of_labels: Callable[..., Fields]) -> Callable[..., Fields]:
+        """A function of the labels of gas as one of the nodes of its grid."""
+
+        def called(X: Array, Y: Array, t: float = 0.0) -> Fields:
+            found, x = (X, Y), self.grid(X, Y, t)[:2]
+            for _ in range(5):  # to round-off
+                found = self._newton(*found, t, *x)
+            return of_labels(*found, t)
+
+        return called
 
     def grid(self, X: Array, Y: Array, t: float) -> Fields:
         """Places and velocities of the grid: nodes stay at fixed parts of each ray."""
@@ -295,12 +296,8 @@ def body_mms(opt: Opt) -> BlockProblem:
     exact = Disk(opt)
     n = round(1.0 / opt["fsi_h"])
     walls = {"x": lambda *at: exact.grid(*at)[:2], "velocity": lambda *at: exact.grid(*at)[2:]}
-
-    def content(material, of, forcing):
-        return material, lambda *X: of(*X, 0.0), forcing, of
-
-    solid = content(exact.body, exact.exact_solid, exact.force_solid)
-    gas = content(exact.fluid, exact.exact_gas, exact.force_gas)
+    solid = exact.body, exact.exact_solid, exact.force_solid, exact.exact_solid
+    gas = exact.fluid, exact.exact_gas, exact.force_gas, exact.exact_gas
     maps = [partial(to_box, q) for q in range(4)]
     blocks = disk_in_gas(1.0, HALF, maps, (n, n, n), solid, gas)
     faces = {(block.name, 0, 1): Given(exact.exact_gas, **walls) for block in blocks[2::2]}

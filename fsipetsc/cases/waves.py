@@ -3,8 +3,6 @@
 The modes are found by Chebyshev collocation, an eigenvalue problem across the layers.
 """
 
-from typing import Any
-
 import numpy as np
 from numpy.polynomial import Chebyshev
 
@@ -29,12 +27,9 @@ def chebyshev(n: int, low: float, high: float) -> tuple[Array, Array]:
     return low + (x + 1) / 2 * (high - low), D * 2 / (high - low)
 
 
-def eigenmodes(
-    gains: list[Array], weights: list[float], conditions: dict, values_alone: bool = False
-) -> Any:
-    """(s, modes (…, fields, n)), or s alone, of gains z = s weights z, (n, unknowns) for each
-    field. Some rows, (field, point), give way to conditions, weights of all unknowns, whose sum is
-    to be 0.
+def eigenmodes(gains: list[Array], weights: list[float], conditions: dict) -> tuple[Array, Array]:
+    """(s, modes (…, fields, n)) of gains z = s weights z, (n, unknowns) for each field. Some rows,
+    (field, point), give way to conditions, weights of all unknowns, whose sum is to be 0.
     """
     from scipy.linalg import eig
 
@@ -42,10 +37,7 @@ def eigenmodes(
     B = np.array(weights)[:, None, None] * np.eye(A.shape[2]).reshape(A.shape)
     for row, condition in conditions.items():
         A[row], B[row] = condition, 0.0
-    both = A.reshape(-1, A.shape[2]), B.reshape(-1, A.shape[2])
-    if values_alone:
-        return eig(*both, right=False)
-    values, vectors = eig(*both)
+    values, vectors = eig(A.reshape(-1, A.shape[2]), B.reshape(-1, A.shape[2]))
     return values, vectors.T.reshape(-1, *A.shape[:2])
 
 
@@ -128,43 +120,38 @@ def wave(opt: Opt) -> BlockProblem:
     k, size, height, depth = 2.0 * np.pi, 1e-5, 1.0, 0.5
     ik, c = 1j * k, gas.sound_speed(1.0)
 
-    def modes(points, values_alone=False):
-        """s of all modes, or also their parts rho, u, v, T, x, y, U, V, and the points of both."""
-        (x_g, D), (x_s, E) = chebyshev(points, 0.0, height), chebyshev(points, -depth, 0.0)
-        rho, u, v, T, x, y, U, V = np.eye(8 * points).reshape(8, points, 8 * points)
-        p, div = gas.R * (rho + T), ik * u + D @ v
-        t_xx, t_yy = (gas.mu * (2.0 * a - 2.0 / 3.0 * div) for a in (ik * u, D @ v))
-        t_xy = gas.mu * (ik * v + D @ u)
-        lame, mu_e = solid.lambda_e, solid.mu_e
-        s_xx, s_yy = (lame * (ik * x + E @ y) + 2.0 * mu_e * a for a in (ik * x, E @ y))
-        s_xy = mu_e * (ik * y + E @ x)
-        conduction = gas.kappa * (D @ D @ T - k * k * T)
-        gains = [-div, ik * (t_xx - p) + D @ t_xy, ik * t_xy + D @ (t_yy - p)]
-        gains += [conduction - gas.R * div, U, V, ik * s_xx + E @ s_xy, ik * s_xy + E @ s_yy]
-        # points go from above to below
-        conditions = {(2, 0): v[0], (2, -1): v[-1] - V[0], (6, -1): U[-1], (7, -1): V[-1]}
-        conditions |= {(6, 0): s_xy[0] - t_xy[-1], (7, 0): s_yy[0] - (t_yy - p)[-1]}
-        if gas.mu > 0:
-            conditions |= {(1, 0): u[0], (1, -1): u[-1] - U[0]}
-        if gas.kappa > 0:
-            conditions |= {(3, 0): (D @ T)[0], (3, -1): (D @ T)[-1]}
-        weights = [1.0, 1.0, 1.0, gas.cv, 1.0, 1.0, solid.m0, solid.m0]
-        found = eigenmodes(gains, weights, conditions, values_alone)
-        return found if values_alone else (*found, x_g, x_s)
-
-    (values, vectors, x_g, x_s), finer = modes(POINTS), modes(POINTS * 4 // 3, values_alone=True)
-    values, vectors = values[np.isfinite(values)], vectors[np.isfinite(values)]
+    (x_g, D), (x_s, E) = chebyshev(POINTS, 0.0, height), chebyshev(POINTS, -depth, 0.0)
+    rho, u, v, T, x, y, U, V = np.eye(8 * POINTS).reshape(8, POINTS, 8 * POINTS)
+    p, div = gas.R * (rho + T), ik * u + D @ v
+    t_xx, t_yy = (gas.mu * (2.0 * a - 2.0 / 3.0 * div) for a in (ik * u, D @ v))
+    t_xy = gas.mu * (ik * v + D @ u)
+    lame, mu_e = solid.lambda_e, solid.mu_e
+    s_xx, s_yy = (lame * (ik * x + E @ y) + 2.0 * mu_e * a for a in (ik * x, E @ y))
+    s_xy = mu_e * (ik * y + E @ x)
+    conduction = gas.kappa * (D @ D @ T - k * k * T)
+    gains = [-div, ik * (t_xx - p) + D @ t_xy, ik * t_xy + D @ (t_yy - p)]
+    gains += [conduction - gas.R * div, U, V, ik * s_xx + E @ s_xy, ik * s_xy + E @ s_yy]
+    # points go from above to below
+    conditions = {(2, 0): v[0], (2, -1): v[-1] - V[0], (6, -1): U[-1], (7, -1): V[-1]}
+    conditions |= {(6, 0): s_xy[0] - t_xy[-1], (7, 0): s_yy[0] - (t_yy - p)[-1]}
+    if gas.mu > 0:
+        conditions |= {(1, 0): u[0], (1, -1): u[-1] - U[0]}
+    if gas.kappa > 0:
+        conditions |= {(3, 0): (D @ T)[0], (3, -1): (D @ T)[-1]}
+    weights = [1.0, 1.0, 1.0, gas.cv, 1.0, 1.0, solid.m0, solid.m0]
+    values, vectors = eigenmodes(gains, weights, conditions)
     swings = values.imag > np.maximum(np.abs(values.real), 1e-6 * k * c)
-    swings &= np.abs(values) < 200.0 * k * c  # faster ones are the collocation's own
-    apart = np.abs(values[:, None] - finer[np.isfinite(finer)]).min(axis=1)
-    resolved = np.flatnonzero(swings & (apart < 1e-7 * np.abs(values)))
-    if not resolved.size:
+    found = np.flatnonzero(swings & np.isfinite(values))
+    for mode in found[np.argsort(values.imag[found])]:
+        s, parts = complex(values[mode]), vectors[mode]
+        ends = parts[4:6, 0]
+        parts = parts / ends[np.argmax(np.abs(ends))]
+        of_gas, of_solid = polynomials(x_g, parts[:4]), polynomials(x_s, parts[4:])
+        last = [np.abs(of_height.coef[-4:]).max() for of_height in (*of_gas, *of_solid)]
+        if max(last) < 1e-5 * np.abs(parts).max():
+            break
+    else:
         raise InputError("no normal mode of the layers is resolved")
-    slowest = resolved[np.argmin(values.imag[resolved])]
-    s, parts = complex(values[slowest]), vectors[slowest]
-    ends = parts[4:6, 0]
-    parts = parts / ends[np.argmax(np.abs(ends))]
-    of_gas, of_solid = polynomials(x_g, parts[:4]), polynomials(x_s, parts[4:])
 
     def swinging(amplitudes, X, Y, t):
         phase = size * np.exp(1j * k * X + s * t)
