@@ -1,13 +1,14 @@
 """`python -m fsipetsc` is the same as the installed command `fsipetsc`."""
 
+import signal
 import sys
-
-from fsipetsc.process.program import end_on_signals
 
 
 def main() -> int:
     """Run the program; returns its exit status."""
-    end_on_signals()
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        # Ctrl-C ends the process at once, as SIGTERM does, until a run heeds signals in its own way
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
     for stream in filter(None, (sys.stdout, sys.stderr)):
         stream.reconfigure(errors="replace")  # a letter that a terminal lacks ends no run
     from fsipetsc import cli

@@ -12,8 +12,7 @@ from fsipetsc.cases import BUILT_IN, load_case
 from fsipetsc.errors import InputError
 from fsipetsc.options import INT_MAX, PASSED_ON, PROGRAM, REQUIRED, Option, groups, is_option
 from fsipetsc.process.launch import left_as_found, start_mpi, start_petsc
-from fsipetsc.process.program import abandon_output, launcher_rank
-from fsipetsc.process.together import end_together, together
+from fsipetsc.process.together import abandon_output, end_together, launcher_rank, together
 
 #: characters of a line
 WIDTH = 100

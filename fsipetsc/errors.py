@@ -101,17 +101,9 @@ def reason(error: BaseException) -> str:
     text = " ".join(str(getattr(error, "msg", None) or error).split())
     if isinstance(error, FsiError):
         return text
-    if package := missing(error):
-        said = f"this needs the Python package {package}, which is not installed here"
-        return f"{said}: pip install '.[solver,plot]' installs what fsipetsc needs"
+    if isinstance(error, ModuleNotFoundError):
+        return f"{text}: pip install '.[solver,plot]' installs what fsipetsc needs"
     return type(error).__name__ + (f": {text[:300]}" if text else "")
-
-
-def missing(error: BaseException) -> str:
-    """The Python package that an import did not find; "" if it is this one, or no such error."""
-    name = (error.name or "") if isinstance(error, ModuleNotFoundError) else ""
-    package = name.split(".")[0]
-    return package if package != "fsipetsc" else ""
 
 
 def place_in(error: BaseException) -> str:

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from fsipetsc import cli
 from fsipetsc.process.launch import start_mpi, start_petsc
-from fsipetsc.process.program import launcher_rank
+from fsipetsc.process.together import launcher_rank
 
 # as the program does; to import PETSc would start it with signals of its own
 start_petsc([], start_mpi())

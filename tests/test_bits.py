@@ -47,8 +47,6 @@ long = pytest.mark.long
 #: does command lines one after the other in one process
 LINES = """
 import shlex, sys
-from fsipetsc.process.program import end_on_signals
-end_on_signals()
 from fsipetsc import cli
 sys.exit(max(cli.main(shlex.split(line)) for line in sys.argv[1:]))
 """

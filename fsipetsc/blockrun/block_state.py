@@ -10,7 +10,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.blockrun import saved
-from fsipetsc.blockrun.parts import GasPart, SolidPart, loose_gases
+from fsipetsc.blockrun.parts import GasPart, SolidPart
 from fsipetsc.blockrun.phases import calls, phases, procedures_of_steps
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.checks import block_values, checked, names_of
@@ -51,9 +51,8 @@ class BlockState(State):
     0, with a message, before and after kernels are compiled.
 
     y: this rank's part of the solution. bounds: (blocks, 2), largest rates of convection and
-    diffusion [1/s]; h: size of the smallest cells [m]. loose: gases on which a constant force acts
-    node by node. asked: some data depend on time, and not all of these are recorded, so that Python
-    is asked for them; not_recorded: why, on this rank.
+    diffusion [1/s]; h: size of the smallest cells [m]. asked: some data depend on time, and not all
+    of these are recorded, so that Python is asked for them; not_recorded: why, on this rank.
     """
 
     MOST_PARTS = 16
@@ -71,7 +70,7 @@ class BlockState(State):
     ) -> None:
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
         self.h, self.recorded = problem.spacing, recorded
-        self.loose, gain = loose_gases(problem, form.convection), saved.gain_of(problem)
+        gain = saved.gain_of(problem)
         of_layout = order, form.shock > 0.0, partition, gain.numbers.size
         self.layout = layout = BlockLayout(comm, problem, *of_layout)
         self.shapes = layout.shapes

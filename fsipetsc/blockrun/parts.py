@@ -8,8 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blockrun.block_part import BlockPart
-from fsipetsc.blocks.block import Block
-from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Centre
 from fsipetsc.blocks.grid import grid_of
 from fsipetsc.blocks.metrics import solid_metrics
@@ -164,14 +162,6 @@ class GasPart(BlockPart):
         self.does["find_places"]()
         x = self.places[:, own]
         return np.stack([w[0], *self.laws.velocity(w), w[2], w[1], J, *x], axis=-1)
-
-
-def loose_gases(problem: BlockProblem, convection: str) -> list[Block]:
-    """The gases on which a constant force acts node by node with this -fsi_convection."""
-    gases = [block for block in problem.blocks if block.kind == "fluid"]
-    of_gases = [gas.material.equations(problem.dimension, problem.symmetry) for gas in gases]
-    pairs = zip(gases, of_gases, strict=True)
-    return [gas for gas, of in pairs if any(of.force) and not convection_of(convection, of).raises]
 
 
 class SolidPart(BlockPart):

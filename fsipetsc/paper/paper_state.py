@@ -57,7 +57,7 @@ class PaperState(State):
 
     opt: options in force; announce: told of what is compiled. InputError where grid, order and
     number of ranks do not fit, or the problem is not of the paper's form. bounds: (layers, 2), the
-    largest rates of convection and diffusion [1/s]. loose: gases on which a force acts.
+    largest rates of convection and diffusion [1/s].
     """
 
     def __init__(
@@ -71,7 +71,6 @@ class PaperState(State):
         self.comm, self.problem, self.h = comm, problem, opt["fsi_h"]
         self.op, self.asks = OPERATORS[opt["fsi_order"]], not problem.steady_data
         gases = [v for v in problem.layers if v.kind == "fluid"]
-        self.loose = [v for v in gases if any(v.material.force)]
         counts = {"gas": len(gases), "interface": len(problem.layers) - 1}
         reduced = self._lay_journal(np.dtype(record(NOTED, counts)), 2 * len(problem.layers))
         self.bounds = reduced[self.results.size :].reshape(-1, 2)

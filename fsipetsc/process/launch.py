@@ -8,8 +8,7 @@ from itertools import pairwise
 
 from fsipetsc.errors import InputError
 from fsipetsc.options import AT_START, given_options, is_option, present, put
-from fsipetsc.process.program import launcher_rank
-from fsipetsc.process.together import Comm, together
+from fsipetsc.process.together import Comm, launcher_rank, together
 
 
 def start_mpi(alone: bool = False) -> Comm:

@@ -4,6 +4,7 @@ kernels; how a run ends that cannot go on: one message, an exit status, and no r
 
 import ctypes
 import math
+import os
 import sys
 import time
 import traceback
@@ -11,14 +12,35 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Any, TypeVar
 
-from fsipetsc.errors import FsiError, Interrupted, clear_frames, missing, petsc_words, reason
-from fsipetsc.process.program import abandon_output
+from fsipetsc.errors import FsiError, Interrupted, clear_frames, petsc_words, reason
 
 #: mpi4py.MPI.Comm, without an import, which would start MPI
 Comm = Any
 Result = TypeVar("Result")
+#: where launchers tell a process its rank
+_RANKS = ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "MV2_COMM_WORLD_RANK", "SLURM_PROCID")
 #: PETSc's error codes that stand for something other than a fault of the program
 _PETSC_STATUS = {55: 3, 65: 4, 66: 4, 67: 4, 72: 3, 82: 3, 91: 3}
+
+
+def launcher_rank() -> int | None:
+    """Return this process's rank as mpiexec tells it, for what needs no MPI; None without it."""
+    found = (os.environ.get(name, "") for name in _RANKS)
+    return next((int(text) for text in found if text.isdigit()), None)
+
+
+def say(text: str) -> None:
+    """Print a line of a run; where nothing can be printed any more, the run goes on in silence."""
+    try:
+        print(text, flush=True)
+    except OSError:
+        abandon_output()
+
+
+def abandon_output() -> None:
+    """Let everything still to be printed on stdout, by C code too, go nowhere."""
+    with suppress(OSError, ValueError), open(os.devnull, "w") as null:
+        os.dup2(null.fileno(), 1)
 
 
 def together(comm: Comm, action: Callable[[], Result], asleep: bool = False) -> Result:
@@ -108,7 +130,7 @@ def describe(error: BaseException) -> tuple[int, str, bool]:
     if isinstance(error, OSError) and error.errno is not None:
         name = f"{error.filename}: " if error.filename is not None else ""
         return 4, f"{name}{error.strerror}", False
-    if missing(error):
+    if isinstance(error, ModuleNotFoundError):
         return 2, reason(error), False
     if hasattr(error, "ierr"):  # PETSc has raised it
         return _PETSC_STATUS.get(error.ierr, 1), petsc_words(error), False

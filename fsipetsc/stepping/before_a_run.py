@@ -17,8 +17,7 @@ from fsipetsc.options import PROGRAM, read_options
 from fsipetsc.output.geometry_picture import draw_geometry, geometry_rows
 from fsipetsc.output.info import table
 from fsipetsc.process.launch import start_petsc
-from fsipetsc.process.program import say
-from fsipetsc.process.together import Comm, together
+from fsipetsc.process.together import Comm, say, together
 
 
 def new(name: str, given: Mapping[str, str]) -> str:

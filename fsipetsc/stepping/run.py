@@ -33,8 +33,7 @@ from fsipetsc.output.reader import open_run
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.paper.paper_state import PaperState
 from fsipetsc.problem import Problem, blocks_of_line
-from fsipetsc.process.program import say
-from fsipetsc.process.together import together
+from fsipetsc.process.together import say, together
 from fsipetsc.scheme.plan import RATE, longest_step
 from fsipetsc.state import State
 from fsipetsc.stepping import restart
