@@ -132,8 +132,7 @@ class BlockPart(Part):
 
     def nodes_of(self, axis: int, side: int) -> dict[str, Array]:
         """What fsipetsc.scheme.faces takes of this rank's nodes of a face, without data."""
-        nodes, through = self.block.face_nodes(axis, side), self.problem.column_of_face
-        own = self.rows_among(nodes)
+        own = self.rows_among(self.block.face_nodes(axis, side))
         at, ones = self.patch.ghosted_rows(own), np.ones(own.size)
         last = self.patch.first[axis] + (self.patch.own[axis] - 1 if side else 0)
         weight = float(self.bands[axis].weight[last])
@@ -144,7 +143,7 @@ class BlockPart(Part):
             "sign": ones if side else -ones,
             "per_weight": ones / weight,
             "across": self.weights(at) / weight,
-            "column": np.full(own.size, through.get((self.k, axis, side), len(through))),
+            "column": np.full(own.size, self.problem.column((self.k, axis, side))),
         }
 
     def _take(self, condition: Any, X: Array, at: slice) -> None:

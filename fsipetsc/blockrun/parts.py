@@ -224,9 +224,10 @@ class SolidPart(BlockPart):
     def _prepare(self, system: Any) -> Any:
         d, problem = self.d, self.problem
         ends = []  # in one dimension
-        for number, (_, k) in enumerate(problem.interfaces if d == 1 else ()):
-            for row in self.rows_among(problem.interface_nodes(number)) if k == self.k else ():
-                ends.append((number, row))
+        for number in range(len(problem.interfaces) if d == 1 else 0):
+            for k, *face in problem.interface_faces(number):
+                nodes = self.block.face_nodes(*face) if k == self.k else np.zeros(0, int)
+                ends += [(number, row) for row in self.rows_among(nodes)]
         self.interfaces = np.array(ends, np.int64).reshape(-1, 2)
         self.rows_of_stored, nodes, _ = system.own(self.k, stores=True)
         self.stored_at = self.patch.ghosted_rows(self.rows(nodes))

@@ -9,7 +9,7 @@ import numpy as np
 
 from fsipetsc.blocks.block import Block, Range, mesh, size_of
 from fsipetsc.blocks.conditions import Centre, Condition, Hinge
-from fsipetsc.blocks.faces import FaceName, Faces, Meeting, number_of, united
+from fsipetsc.blocks.faces import FaceName, Meeting, meet, number_of, united
 from fsipetsc.checks import Array, check, described, place_text
 from fsipetsc.errors import InputError
 from fsipetsc.materials.own import knows_entropy
@@ -46,10 +46,12 @@ class BlockProblem:
     symmetry: int = 0
 
     def __post_init__(self) -> None:
-        """kinds, tolerance: as of `Faces`. members: its particles. hinges: (block, node) of points.
-        gas_laws: those of its gases that differ in formulas or numbers, in their order.
+        """tolerance, kinds, members: as of `meet`. hinges: (block, node) of points. gas_laws: those
+        of its gases that differ in formulas or numbers, in their order. layers: the blocks, under
+        the name that a run has for those of either method.
         """
-        self.blocks, self.notes = tuple(self.blocks), tuple(self.notes)
+        self.layers = self.blocks = tuple(self.blocks)
+        self.notes = tuple(self.notes)
         names = [getattr(block, "name", None) for block in self.blocks]
         if not names or not all(isinstance(block, Block) for block in self.blocks):
             raise InputError("BlockProblem: blocks: expected one or more Blocks")
@@ -58,21 +60,11 @@ class BlockProblem:
             raise InputError(f"BlockProblem: blocks {', '.join(names)}: {wanted}")
         check("units", self.units, "BlockProblem: units")
         check("optional", self.jumps, "BlockProblem: jumps")
-        faces = Faces(self.blocks, self.faces)
-        self.tolerance, self.members = faces.tolerance, faces.particles
-        self.kinds, self._known = faces.kinds, faces.known
+        self.dimension = self.blocks[0].dimension
+        self.tolerance, self.kinds, self._known, self.members = meet(self.blocks, self.faces)
         self._check_symmetry()
         self._find_laws()
         self.hinges = frozenset(self._hinge(*point) for point in self.points)
-
-    @property
-    def dimension(self) -> int:
-        return self.blocks[0].dimension
-
-    @property
-    def layers(self) -> Sequence[Block]:
-        """The blocks, under the name that a run has for those of either method."""
-        return self.blocks
 
     def unit(self, name: str) -> str:
         """The unit after a number in a message: " m", or nothing without dimensions."""
@@ -97,10 +89,9 @@ class BlockProblem:
         every = ((k, face, met) for k, own in enumerate(self.kinds) for face, met in own.items())
         return {(k, *face): c for k, face, c in every if not isinstance(c, (Meeting, Centre))}
 
-    @property
-    def column_of_face(self) -> dict[tuple[int, int, int], int]:
-        """Where the energy of a face is among what comes in, see `face_names`."""
-        return {face: column for column, face in enumerate(self.outer_faces)}
+    def column(self, face: tuple[int, int, int] | None) -> int:
+        """Where the energy of a face, or of none, is among what comes in, see `face_names`."""
+        return [*self.outer_faces, face].index(face)
 
     @property
     def face_names(self) -> list[str]:
@@ -137,11 +128,6 @@ class BlockProblem:
         gas, k = self.interfaces[number]
         faces = self.kinds[k].items()
         return sorted([k, *f] for f, c in faces if isinstance(c, Meeting) and c.block == gas)
-
-    def interface_nodes(self, number: int) -> Array:
-        """Nodes of the solid on an interface, each once."""
-        faces = self.interface_faces(number)
-        return np.unique(np.concatenate([self.blocks[k].face_nodes(*face) for k, *face in faces]))
 
     # places
 
@@ -255,15 +241,13 @@ class BlockProblem:
         """Number the laws of gases; gas at one place has one state, and so one law. InputError
         where gases of different laws meet, be it at an edge or a vertex alone.
         """
-        self.gas_laws: tuple[Any, ...] = ()
-        self._law_of = dict[int, int]()
+        self.gas_laws, self._law_of = list[Any](), dict[int, int]()
         for k, block in enumerate(self.blocks):
             if block.kind == "fluid":
                 law = block.material.gas_law
-                same = [n for n, other in enumerate(self.gas_laws) if _same(law, other)]
-                self._law_of[k] = same[0] if same else len(self.gas_laws)
-                if not same:
-                    self.gas_laws = (*self.gas_laws, law)
+                if not any(_same(law, other) for other in self.gas_laws):
+                    self.gas_laws.append(law)
+                self._law_of[k] = [_same(law, other) for other in self.gas_laws].index(True)
         for members in self.members if len(self.gas_laws) > 1 else ():
             gases = [k for k, _ in members if k in self._law_of]
             if len({self._law_of[k] for k in gases}) > 1:

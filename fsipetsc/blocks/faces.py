@@ -67,8 +67,8 @@ def check_faces(blocks: Sequence[Block], faces: Mapping[FaceName, Condition]) ->
 class Face:
     """A face of block number `block`, and the condition that is named for it.
 
-    nodes: their numbers, X: their places (N, d). labels: the same for nodes at one place; wanted:
-    those of the nodes that the face meets.
+    nodes: their numbers, X: their places (N, d). labels: (N,), the same for nodes at one place;
+    wanted: those of the nodes that the face meets.
     """
 
     labels: Array
@@ -106,48 +106,48 @@ class Face:
         return Meeting(others[0].block, others[0].axis, others[0].side) if others else condition
 
 
-class Faces:
-    """The faces of all blocks, none on periodic axes. InputError for what does not meet.
+def meet(
+    blocks: Sequence[Block], named: Mapping[FaceName, Condition]
+) -> tuple[float, list[Kinds], list[tuple[Array, Array]], list[list[tuple[int, int]]]]:
+    """Find out which faces meet. InputError for what does not. named: conditions of faces.
 
-    named: conditions of faces. tolerance: places are the same that are no further apart [m]. kinds:
-    what stands at the faces of each block. known: of each block the numbers of the nodes on faces,
-    ascending, and X (d, M) of the first node that is at their place. particles: (block, node) of
-    the nodes at each place, ascending, particles in the order of their first nodes.
+    Returns the distance [m] within which places are the same; what stands at the faces of each
+    block; of each block the numbers of the nodes on faces, ascending, and X (d, M) of the first
+    node that is at their place; (block, node) of the nodes at each place, ascending, places in the
+    order of their first nodes.
     """
-
-    def __init__(self, blocks: Sequence[Block], named: Mapping[FaceName, Condition]) -> None:
-        check_faces(blocks, named)
-        every = [(k, block, *face) for k, block in enumerate(blocks) for face in block.faces]
-        faces = [Face(*of, named.get((of[1].name, *of[2:]))) for of in every]
-        periodic = [face for face in faces if isinstance(face.condition, Periodic)]
-        shifted = (face.X + face.condition.shift for face in periodic)
-        X = [np.zeros((0, blocks[0].dimension)), *(face.X for face in faces), *shifted]
-        places = np.concatenate(X)
-        self.tolerance = float(_SAME * np.abs(places).max(initial=0.0))
-        labels = same_place(places, self.tolerance)
-        places = places[np.unique(labels, return_index=True)[1]]  # of the first of a label
-        pieces = iter(np.split(labels, np.cumsum([len(x) for x in X[1:]])))
-        at = defaultdict[bytes, list[Face]](list)
-        for face in faces:
-            face.labels = face.wanted = next(pieces)
-            at[_key(face.labels)].append(face)
-        for face in periodic:
-            face.wanted = next(pieces)
-        self.kinds: list[Kinds] = [{} for _ in blocks]
-        for face in faces:
-            others = [other for other in at[_key(face.wanted)] if other is not face]
-            self.kinds[face.block][face.axis, face.side] = face.met_by(others)
-        nodes = np.concatenate([np.zeros(0, int), *(face.nodes for face in faces)])
-        owners = np.repeat([face.block for face in faces], [face.nodes.size for face in faces])
-        smallest = united(len(places), [(face.labels, face.wanted) for face in periodic])
-        labels = labels[: nodes.size]
-        self.known = list[tuple[Array, Array]]()
-        for own in (owners == k for k in range(len(blocks))):
-            numbers, first = np.unique(nodes[own], return_index=True)
-            self.known.append((numbers, places[labels[own][first]].T))
-        label, *members = np.unique([smallest[labels], owners, nodes], axis=1)
-        groups = np.split(np.transpose(members), np.flatnonzero(np.diff(label)) + 1)
-        self.particles = sorted([*map(tuple, group.tolist())] for group in groups if group.size)
+    check_faces(blocks, named)
+    every = [(k, block, *face) for k, block in enumerate(blocks) for face in block.faces]
+    faces = [Face(*of, named.get((of[1].name, *of[2:]))) for of in every]
+    periodic = [face for face in faces if isinstance(face.condition, Periodic)]
+    shifted = (face.X + face.condition.shift for face in periodic)
+    X = [np.zeros((0, blocks[0].dimension)), *(face.X for face in faces), *shifted]
+    places = np.concatenate(X)
+    tolerance = float(_SAME * np.abs(places).max(initial=0.0))
+    labels = same_place(places, tolerance)
+    places = places[np.unique(labels, return_index=True)[1]]  # of the first of a label
+    pieces = iter(np.split(labels, np.cumsum([len(x) for x in X[1:]])))
+    at = defaultdict[bytes, list[Face]](list)
+    for face in faces:
+        face.labels = face.wanted = next(pieces)
+        at[_key(face.labels)].append(face)
+    for face in periodic:
+        face.wanted = next(pieces)
+    kinds: list[Kinds] = [{} for _ in blocks]
+    for face in faces:
+        others = [other for other in at[_key(face.wanted)] if other is not face]
+        kinds[face.block][face.axis, face.side] = face.met_by(others)
+    nodes = np.concatenate([np.zeros(0, int), *(face.nodes for face in faces)])
+    owners = np.repeat([face.block for face in faces], [face.nodes.size for face in faces])
+    smallest = united(len(places), [(face.labels, face.wanted) for face in periodic])
+    labels, known = labels[: nodes.size], list[tuple[Array, Array]]()
+    for own in (owners == k for k in range(len(blocks))):
+        numbers, first = np.unique(nodes[own], return_index=True)
+        known.append((numbers, places[labels[own][first]].T))
+    label, *members = np.unique([smallest[labels], owners, nodes], axis=1)
+    groups = np.split(np.transpose(members), np.flatnonzero(np.diff(label)) + 1)
+    particles = sorted([*map(tuple, group.tolist())] for group in groups if group.size)
+    return tolerance, kinds, known, particles
 
 
 def _key(labels: Array) -> bytes:

@@ -25,7 +25,7 @@ import numpy as np
 from fsipetsc.blocks.area_vectors import Curls, Rows
 from fsipetsc.blocks.block import Range
 from fsipetsc.blocks.block_problem import BlockProblem
-from fsipetsc.blocks.hull import blend_of, hull_of, put_on_faces
+from fsipetsc.blocks.hull import Blend, Hull, put_on_faces
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.checks import Array
 from fsipetsc.kernels.arrays import aligned, column, zeros
@@ -50,8 +50,9 @@ class Grid(SimpleNamespace):
     def __init__(self, problem: BlockProblem, k: int, wide: Wide, nodes: Array, faces: Any) -> None:
         block, centred = problem.blocks[k], problem.centred(k)
         self.like, self.hoops = (0.0,) * problem.dimension, (0.0,) * problem.symmetry
-        self.hull = hull_of(block, nodes, centred)
-        self.blend, self.wide, self.range = blend_of(block, wide, self.hull.nodes, centred)
+        self.hull = Hull(block, nodes, centred)
+        self.blend = Blend(block, wide, self.hull.nodes, centred)
+        self.wide, self.range = self.blend.every, self.blend.inner
         self.y, self.x = wide.y, aligned(wide.y.size).reshape(wide.y.shape)
         self.prepare(wide, faces)
         self.volume = np.zeros(self.rows.nodes)

@@ -10,7 +10,8 @@ with the weights of the ends between them. On faces their values, to the bit.
 """
 
 from itertools import combinations, product
-from typing import Any, NamedTuple
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -21,20 +22,46 @@ from fsipetsc.kernels.loops import each
 from fsipetsc.kernels.symbols import exact
 
 
-class Hull(NamedTuple):
-    """nodes: numbers (H,) of those on faces, ascending. given: columns (M,) of what is known.
+class Hull(SimpleNamespace):
+    """The nodes on faces. known: numbers (M,) of those that are known, in any order. centred: the
+    block goes to r = 0.
 
-    columns, weights: (9, T) and (d, 4, T), of nodes that follow: the node, its edges low a, high a,
-    low b, high b, four vertices; weights of the edges. moved, moving: (d, H) values, one 0 where no
-    node is on a face.
+    nodes: numbers (H,), ascending. given: columns (M,) of what is known. columns, weights: (9, T)
+    and (d, 4, T), of nodes that follow: the node, its edges low a, high a, low b, high b, four
+    vertices; weights of the edges. moved, moving: (d, H) values, one 0 where no node is on a face.
     """
 
-    nodes: Array
-    given: Array
-    columns: Array
-    weights: Array
-    moved: Array
-    moving: Array
+    def __init__(self, block: Block, known: Array, centred: bool) -> None:
+        d, shape, last = block.dimension, block.shape, [n - 1 for n in block.shape]
+        faces = [block.face_nodes(*f) for f in block.faces if not (centred and f == (d - 1, 0))]
+        self.nodes = nodes = np.unique(np.concatenate([np.zeros(0, int), *faces]))
+        self.given = np.searchsorted(nodes, np.asarray(known, int))
+        self.moved, self.moving = np.zeros((2, d, max(1, len(nodes))))
+        index, is_known = np.array(np.unravel_index(nodes, shape, order="F")), np.isin(nodes, known)
+        columns, weights = [np.zeros((9, 0), int)], [np.zeros((d, 4, 0))]
+        ended = [k for k in range(d) if not block.periodic[k]]
+        for free in (*combinations(ended, 1), *combinations(ended, 2)):  # edges, then faces
+            fixed, (a, b) = [k for k in ended if k not in free], (free[0], free[-1])
+            for sides in product((0, 1), repeat=len(fixed)) if fixed else ():
+                on = np.all([index[k] == side * last[k] for k, side in zip(fixed, sides)], axis=0)
+                if is_known[on].all():
+                    continue
+                for k in free:
+                    on &= (index[k] >= (not (centred and k == d - 1))) & (index[k] < last[k])
+                at, found = index[:, on], []
+                vertices = [{a: i, b: j} for i, j in ((0, 0), (1, 1), (1, 0), (0, 1))]
+                for moved in ({}, {a: 0}, {a: 1}, {b: 0}, {b: 1}, *vertices):
+                    place = [
+                        moved[k] * last[k] + 0 * i if k in moved else i for k, i in enumerate(at)
+                    ]
+                    number = np.ravel_multi_index(place, shape, order="F")
+                    found.append(np.searchsorted(nodes, number))
+                of_ends = [end_weights(block, k, at[k], centred) for k in (a, b)]
+                if a == b:  # the ends of an edge count as its edges a
+                    of_ends[1][:] = 0.0
+                columns.append(np.array(found))
+                weights.append(np.concatenate(of_ends).transpose(1, 0, 2))
+        self.columns, self.weights = (np.concatenate(of, axis=-1) for of in (columns, weights))
 
     def fill(self, values, known, first):
         """Complete values (d, H) from known (M, …), of which the columns from `first` count: edges
@@ -53,40 +80,6 @@ class Hull(NamedTuple):
                 f[columns[0, t]] = exact(edges - vertices)
 
 
-def hull_of(block: Block, given: Array, centred: bool) -> Hull:
-    """given: numbers (M,) of the nodes that are known, in any order. centred: the block goes to
-    r = 0.
-    """
-    d, shape, last = block.dimension, block.shape, [n - 1 for n in block.shape]
-    faces = [block.face_nodes(*f) for f in block.faces if not (centred and f == (d - 1, 0))]
-    nodes = np.unique(np.concatenate([np.zeros(0, int), *faces]))
-    index, known = np.array(np.unravel_index(nodes, shape, order="F")), np.isin(nodes, given)
-    columns, weights = [np.zeros((9, 0), int)], [np.zeros((d, 4, 0))]
-    ended = [k for k in range(d) if not block.periodic[k]]
-    for free in (*combinations(ended, 1), *combinations(ended, 2)):  # edges, then faces
-        fixed, (a, b) = [k for k in ended if k not in free], (free[0], free[-1])
-        for sides in product((0, 1), repeat=len(fixed)) if fixed else ():
-            on = np.all([index[k] == side * last[k] for k, side in zip(fixed, sides)], axis=0)
-            if known[on].all():
-                continue
-            for k in free:
-                on &= (index[k] >= (0 if centred and k == d - 1 else 1)) & (index[k] < last[k])
-            at, found = index[:, on], []
-            vertices = [{a: i, b: j} for i, j in ((0, 0), (1, 1), (1, 0), (0, 1))]
-            for moved in ({}, {a: 0}, {a: 1}, {b: 0}, {b: 1}, *vertices):
-                place = [moved[k] * last[k] + 0 * i if k in moved else i for k, i in enumerate(at)]
-                number = np.ravel_multi_index(place, shape, order="F")
-                found.append(np.searchsorted(nodes, number))
-            of_ends = [end_weights(block, k, at[k], centred) for k in (a, b)]
-            if a == b:  # the ends of an edge count as its edges a
-                of_ends[1][:] = 0.0
-            columns.append(np.array(found))
-            weights.append(np.concatenate(of_ends).transpose(1, 0, 2))
-    table = (np.concatenate(pieces, axis=-1) for pieces in (columns, weights))
-    at = np.searchsorted(nodes, np.asarray(given, int))
-    return Hull(nodes, at, *table, *np.zeros((2, d, max(1, len(nodes)))))
-
-
 def end_weights(block: Block, axis: int, index: Array, centred: bool) -> Array:
     """1 - xi and xi of nodes (2, d, N), for each component of what is blended; the same bits seen
     from both ends; 0 on a periodic axis. Along one to r = 0 a block is half of one whose other end
@@ -101,36 +94,32 @@ def end_weights(block: Block, axis: int, index: Array, centred: bool) -> Array:
     return found
 
 
-class BlendAxis(NamedTuple):
-    """An axis that has faces: columns (2, F) of the hull at the low and the high one, weights
-    (2, d, n) of these by component, missing: (2, F) what the axes before it leave to be added.
+class Blend(SimpleNamespace):
+    """The nodes of a Wide, between its faces. nodes: of the hull. centred: the block goes to r = 0.
+
+    sizes: how many nodes there are along three axes: those of the Wide and, along an axis that has
+    faces, those at both ends. order: of the axes with faces. axes: three, None for those without
+    faces; of an axis columns: (2, F) of the hull at the low and the high face, weights: (2, d, n)
+    of these by component, missing: (2, F) what the axes before it leave to be added. every, inner:
+    windows of the Wide and of its own range.
     """
 
-    columns: Array
-    weights: Array
-    missing: Array
-
-
-class Window(NamedTuple):
-    """A range of the nodes of a blend: the first one and how many there are along three axes.
-    Numbers of nodes, of the range and of the I images before it, are in faces: (2, F), beside those
-    in the hull, and in images: (2, I), before a centre, beside those of the nodes that they mirror.
-    """
-
-    first: Any
-    sizes: Any
-    faces: Array
-    images: Array
-
-
-class Blend(NamedTuple):
-    """Three axes, None for those without faces, and how many nodes there are along them: those of a
-    range and, along an axis that has faces, those at both ends. order: of the axes with faces.
-    """
-
-    axes: Any
-    sizes: Any
-    order: str
+    def __init__(self, block: Block, wide: Wide, nodes: Array, centred: bool) -> None:
+        d, shape, index = block.dimension, block.shape, []
+        for n, (begin, end), closed in zip(shape, wide.wide, block.periodic):
+            i = np.arange(begin, end)
+            index.append(i if closed else np.unique([0, *i[i >= 0], n - 1]))
+        axes: list[Any] = [None] * 3
+        self.order = "".join(str(k) for k in range(d) if not block.periodic[k])
+        for k in map(int, self.order):
+            faces = [[*index[:k], np.array([end]), *index[k + 1 :]] for end in (0, shape[k] - 1)]
+            numbers = [np.ravel_multi_index(mesh(at), shape, "wrap", "F").ravel() for at in faces]
+            columns = np.searchsorted(nodes, np.array(numbers))
+            weights, missing = end_weights(block, k, index[k], centred), np.zeros(columns.shape)
+            axes[k] = SimpleNamespace(columns=columns, weights=weights, missing=missing)
+        self.axes, self.sizes = tuple(axes), tuple([*map(len, index), 1, 1][:3])
+        windows = (window(block, index, of, nodes, centred) for of in (wide.wide, wide.where))
+        self.every, self.inner = windows
 
     def fill(self, values, out, window, base=None):
         """out (d, nodes of a window) from values (d, H) of the hull, added to base (d, …) if there
@@ -191,35 +180,19 @@ def put_on_faces(out, faces, values, base=None, sign=1.0):
         out[n] = value if base is None else base[n] + value
 
 
-def blend_of(block: Block, wide: Wide, nodes: Array, centred: bool) -> tuple[Blend, Window, Window]:
-    """The blend of the nodes of a Wide, and the windows of all of them and of its own range. nodes:
-    of the hull. centred: the block goes to r = 0.
+def window(block: Block, index: Any, ranges: Any, nodes: Array, centred: bool) -> SimpleNamespace:
+    """A range of the nodes of a blend: the first one and how many there are along three axes.
+    Numbers of nodes, of the range and of the I images before it, are in faces: (2, F), beside those
+    in the hull, and in images: (2, I), before a centre, beside those of the nodes that they mirror.
     """
-    d, shape, index = block.dimension, block.shape, []
-    for n, (begin, end), closed in zip(shape, wide.wide, block.periodic):
-        i = np.arange(begin, end)
-        index.append(i if closed else np.unique([0, *i[i >= 0], n - 1]))
-    axes: list[BlendAxis | None] = [None] * 3
-    order = "".join(str(k) for k in range(d) if not block.periodic[k])
-    for k in map(int, order):
-        faces = [[*index[:k], np.array([end]), *index[k + 1 :]] for end in (0, shape[k] - 1)]
-        numbers = [np.ravel_multi_index(mesh(at), shape, "wrap", "F").ravel() for at in faces]
-        columns = np.searchsorted(nodes, np.array(numbers))
-        weights = end_weights(block, k, index[k], centred)
-        axes[k] = BlendAxis(columns, weights, np.zeros(columns.shape))
-
-    def window(ranges: Any) -> Window:
-        begins = [b if closed else max(b, 0) for (b, _), closed in zip(ranges, block.periodic)]
-        first = [*map(int, map(np.searchsorted, index, begins)), 0, 0][:3]
-        sizes = [*(end - begin for begin, (_, end) in zip(begins, ranges)), 1, 1][:3]
-        at = mesh([np.arange(b, end) for b, (_, end) in zip(begins, ranges)])
-        numbers = np.ravel_multi_index(at, shape, "wrap", "F").ravel()
-        on = np.flatnonzero(np.isin(numbers, nodes))
-        layer, images = int(np.prod(sizes[: d - 1])), centred * max(-ranges[-1][0], 0)
-        rows = np.arange(images * layer).reshape(images, layer)
-        pairs = np.stack([rows.ravel(), (images * layer + rows[::-1]).ravel()])
-        on_faces = np.stack([images * layer + on, np.searchsorted(nodes, numbers[on])])
-        return Window(tuple(first), tuple(sizes), on_faces, pairs)
-
-    blend = Blend(tuple(axes), tuple([*map(len, index), 1, 1][:3]), order)
-    return blend, window(wide.wide), window(wide.where)
+    begins = [b if closed else max(b, 0) for (b, _), closed in zip(ranges, block.periodic)]
+    first = [*map(int, map(np.searchsorted, index, begins)), 0, 0][:3]
+    sizes = [*(end - begin for begin, (_, end) in zip(begins, ranges)), 1, 1][:3]
+    at = mesh([np.arange(b, end) for b, (_, end) in zip(begins, ranges)])
+    numbers = np.ravel_multi_index(at, block.shape, "wrap", "F").ravel()
+    on = np.flatnonzero(np.isin(numbers, nodes))
+    layer, images = int(np.prod(sizes[: len(begins) - 1])), centred * max(-ranges[-1][0], 0)
+    rows = np.arange(images * layer).reshape(images, layer)
+    pairs = np.stack([rows.ravel(), (images * layer + rows[::-1]).ravel()])
+    on_faces = np.stack([images * layer + on, np.searchsorted(nodes, numbers[on])])
+    return SimpleNamespace(first=tuple(first), sizes=tuple(sizes), faces=on_faces, images=pairs)

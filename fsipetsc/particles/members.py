@@ -119,6 +119,34 @@ class Particle:
         """Whether walls or given faces move it by themselves."""
         return any(map(self.moved_by, ("wall", "slip", "given_gas")))
 
+    def facts(self, problem: BlockProblem) -> dict[str, int]:
+        """What procedures are told of it: what is so, what is free to move, which temperatures are
+        given, and where to book mass, and energies by what moves and what heats gas and solid.
+        """
+        faces, gases = self.faces, [k for k, b in enumerate(problem.blocks) if b.kind == "fluid"]
+        given, holds = "given_solid" in faces, not faces.keys().isdisjoint(("clamp", "given_solid"))
+
+        def column(face: Face | None) -> int:
+            return problem.column(face and face.name)
+
+        return {
+            **{name: name in faces for name in ("wall", "clamp", "given_gas", "given_solid")},
+            **{name: getattr(self, name) for name in ("sticks", "shares_heat", "one_T", "moves")},
+            "free_gas": faces.keys().isdisjoint(("wall", "given_gas"))
+            and not (self.sticks and holds),
+            "free_solid": not holds,
+            "placed": given or self.moved_by("clamp"),
+            "warm_gas": self.warms("warm_gas"),
+            "warm_solid": given or self.warms("warm_solid"),
+            "moves_gas": column(self.mover(True)),
+            "moves_solid": column(self.mover(False)),
+            "heats_gas": column(faces.get("warm_gas")),
+            "heats_solid": column(faces.get("given_solid", faces.get("warm_solid"))),
+            "count": len(self.constraints),
+            "column": next((gases.index(k) for k, _ in self.members if k in gases), 0),
+            "law": problem.law_at(self.members),
+        }
+
 
 def particles_of(problem: BlockProblem) -> list[Particle]:
     """All particles of a problem, in the order of their first members. InputError, on all ranks."""

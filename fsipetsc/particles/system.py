@@ -5,8 +5,7 @@ Owners of the members of a particle send each other what is extensive of them; e
 the same order and solves the same small system: see fsipetsc.particles.constraints.
 """
 
-from collections.abc import Callable, Sequence
-from operator import attrgetter
+from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -19,7 +18,7 @@ from fsipetsc.parallel.block_layout import PARTICLES_TAG, BlockLayout
 from fsipetsc.parallel.exchange import RowExchange
 from fsipetsc.particles import procedures
 from fsipetsc.particles.constraints import weigh_heat
-from fsipetsc.particles.members import GAS, ROLLS, SOLID, Face, Particle
+from fsipetsc.particles.members import GAS, ROLLS, SOLID, Particle
 from fsipetsc.particles.prescribed import Instant, Prescribed
 from fsipetsc.scheme.faces import listed
 
@@ -71,7 +70,7 @@ class ParticleSystem:
             of_particle=number,  # of each member
             **self._of_members(inertia),
             **self._of_particles(owners[begin[:-1]] == me, most),
-            laws=layout.problem.gas_laws,
+            laws=tuple(layout.problem.gas_laws),
             data=self.prescribed.data,
             # sums and rates: of the gas mass, volume and (rho, rho u, E); of the solid mass,
             # displacement, velocity, energy per mass, also the mean of members before a change,
@@ -142,45 +141,15 @@ class ParticleSystem:
         adds what comes in there.
         """
         problem, every = self._layout.problem, self._particles
-        gases = [k for k, block in enumerate(problem.blocks) if block.kind == "fluid"]
-        constraint = np.zeros((len(every), most), int)
+        constraint, of_each = (
+            np.zeros((len(every), most), int),
+            [one.facts(problem) for one in every],
+        )
         for p, one in enumerate(every):
             constraint[p, : len(one.constraints)] = [kind for kind, _ in one.constraints]
-
-        def known(of: Callable[[Particle], Any]) -> Array:
-            return np.array([of(one) for one in every], int)
-
-        def has(*names: str) -> Array:
-            return known(lambda one: not one.faces.keys().isdisjoint(names))
-
-        def column(face: Face | None) -> int:
-            """That of the energy that comes in through a face, or through none, in ``gain``."""
-            return problem.column_of_face.get(face and face.name, len(problem.column_of_face))
-
-        given, holds = has("given_solid"), has("clamp", "given_solid")
-        facts = {name: known(attrgetter(name)) for name in ("sticks", "shares_heat", "one_T")}
-        facts |= {name: has(name) for name in ("wall", "clamp", "given_gas", "given_solid")}
-        facts |= {
-            "mine": mine.astype(int),
-            "moves": known(attrgetter("moves")),  # walls move it
-            "free_gas": 1 - (has("wall", "given_gas") | (facts["sticks"] & holds)),
-            "free_solid": 1 - holds,
-            "placed": given | known(lambda one: one.moved_by("clamp")),
-            "warm_gas": known(lambda one: one.warms("warm_gas")),  # its temperature is given
-            "warm_solid": given | known(lambda one: one.warms("warm_solid")),
-            "moves_gas": known(lambda one: column(one.mover(True))),
-            "moves_solid": known(lambda one: column(one.mover(False))),
-            "heats_gas": known(lambda one: column(one.faces.get("warm_gas"))),
-            "heats_solid": known(
-                lambda one: column(one.faces.get("given_solid", one.faces.get("warm_solid")))
-            ),
-            "count": known(lambda one: len(one.constraints)),
-            "column": known(
-                lambda one: next((gases.index(k) for k, _ in one.members if k in gases), 0)
-            ),
-            "law": known(lambda one: problem.law_at(one.members)),
-        }
-        return {"facts": SimpleNamespace(**facts), "constraint": constraint}
+        names = Particle([]).facts(problem)
+        facts = {name: np.array([of[name] for of in of_each], int) for name in names}
+        return {"facts": SimpleNamespace(mine=mine.astype(int), **facts), "constraint": constraint}
 
     def faces_at(self, k: int) -> Any:
         """The faces of block k at members here whose area vectors make the normals of constraints.
