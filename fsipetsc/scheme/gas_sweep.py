@@ -14,6 +14,7 @@ node in an order that does not depend on how a block is cut, so neither do the b
 kernels are at the end.
 """
 
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -27,9 +28,9 @@ from fsipetsc.kernels.arrays import aligned
 from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel
 from fsipetsc.kernels.loops import each, when
 from fsipetsc.operators.bands import Patch
-from fsipetsc.operators.slopes import Near, kinds, slope
+from fsipetsc.operators.slopes import Near, slope
 from fsipetsc.scheme.gas_terms import Form
-from fsipetsc.scheme.sweep import KINDS, Sweep, in_order, kept, order, store
+from fsipetsc.scheme.sweep import Sweep, ends_of, in_order, kept, order
 
 #: most nodes of a tile along the first axis, and most rows, for d = 1, 2, 3
 TILES = ((232, 1), (136, 1), (72, 8))
@@ -85,18 +86,8 @@ class GasSweep(Sweep):
         self.begin(part, found, y, q, f)
         self.weight = in_order([part.weight[k] for k in range(3)], self.d)
         far = 1 + self.kernels.viscous
-        viscous = [(self.find_viscous, 1, 1)] * self.kernels.viscous
+        viscous = [(partial(self.run, self.kernels.fluxes), 1, 1)] * self.kernels.viscous
         self.take(self.steps, ((self.load, 0, 0), *viscous, (self.rates, far, far - 1)))
-
-    def load(self, x, n, y, z):
-        """Find the variables of nodes, and clear their sums."""
-        for begin, count, q, N in self.loaded(x, n, y, z):
-            self.kernels.load(count, **{**self.given(begin, y, z), "q": q, "N": N})
-
-    def find_viscous(self, x, n, y, z):
-        """Find the viscous fluxes, of nodes inside of a block with a kernel of its own."""
-        for begin, count, kind in kinds(x, n, y, z, self.inside):
-            self.kernels.viscous_fluxes[kind](count, **self.given(begin, y, z))
 
     def rates(self, x, n, y, z):
         """Add the fluxes of the pairs that begin in a row, from one before the tile on, and store
@@ -112,7 +103,7 @@ class GasSweep(Sweep):
                 self.across(2, x, n, y, z)
             with when(of_layer):
                 self.along(x, n, y, z)
-                self.store(x, n, y, z)
+                self.close(x, n, y, z)
 
     def across(self, number, x, n, y, z):
         """Add the pairs of a row with rows farther on, of the same layer or of others."""
@@ -156,15 +147,13 @@ class GasSweep(Sweep):
             with when(apart > 0):
                 kernels.far_pairs(n, **given)
 
-    def store(self, x, n, y, z):
-        """Store the rates of a row and, of nodes that nothing else adds to, the next stage."""
+    def close(self, x, n, y, z):
+        """Find the rates of a row from its sums, and store them."""
         of_row = 1.0 / (self.weight[1][y] * self.weight[2][z])
-        for begin, count, kind in self.stored(x, n, y, z):
-            own, high = self.own_at(begin, y, z), self.row(self.tile.high, begin, y, z)
-            given = {"low": self.low[0, begin - self.x0 + self.margin :], "high": high}
-            given |= {"of_row": of_row, "of_node": self.per_weight[begin:]}
-            given["supplied"] = self.supplied[own * (self.d + 1) :]
-            self.run(self.kernels.stores, kind, count, own, **given)
+        given = {"low": self.low[0, x - self.x0 + self.margin :], "of_row": of_row}
+        given["supplied"] = self.supplied[self.own_at(x, y, z) * (self.d + 1) :]
+        self.kernels.rates(n, of_node=self.per_weight[x:], **given, **self.given(x, y, z))
+        self.store(x, n, y, z)
 
 
 @kept
@@ -172,17 +161,19 @@ def gas_kernels(
     gas: Any, d: int, form: Form, viscous: bool, moves: bool, near: Near
 ) -> SimpleNamespace:
     """All kernels of a gas in d dimensions; near: of nodes inside. far_pairs: None where the form
-    does not tell pairs apart; viscous_fluxes: of any nodes, and of those inside; raises: of
+    does not tell pairs apart; fluxes: viscous ones of any nodes, and of those inside; raises: of
     the form. numbers, sums: what a row has of a node, and what is summed of it.
     """
-    sums, kinds = d + 2 + d * form.raises, KINDS[:1] if form.raises else KINDS
+    sums = d + 2 + d * form.raises
     return SimpleNamespace(
         near=near,
         load=_load(gas, d, viscous, sums + moves),
         near_pairs=_pair(gas, d, form, viscous, moves, True),
         far_pairs=_pair(gas, d, form, viscous, moves, False) if form.entropy else None,
-        stores=tuple(_store(d, sums, moves, number, kind) for number, kind in enumerate(kinds)),
-        viscous_fluxes=tuple(_viscous(gas, d, of) for of in ((0, near[1]), near) if viscous),
+        rates=_rates(d, sums, moves),
+        ends=ends_of(d + 3),
+        dof=d + 3,
+        fluxes=tuple(_viscous(gas, d, of) for of in ((0, near[1]), near) if viscous),
         viscous=viscous,
         raises=form.raises,
         numbers=d + 5 + viscous,
@@ -241,13 +232,12 @@ def _pair(gas: Any, d: int, form: Form, viscous: bool, moves: bool, near: bool) 
     return kernel
 
 
-def _store(d: int, sums: int, moves: bool, number: int, kind: str) -> Kernel:
-    says = "J_t, the rates of J rho, J rho u, J E, the force, of a row, or what follows from them."
-    kernel = Kernel(f"gas_{kind}", says)
+def _rates(d: int, sums: int, moves: bool) -> Kernel:
+    kernel = Kernel("gas_rates", "J_t, the rates of J rho, J rho u, J E, the force, of a row.")
     of_row, (of_node,) = kernel.number("of_row"), kernel.read("of_node", ROWS, 1)
     total = add(*(kernel.read(name, ROWS, sums + moves) for name in ("low", "high")))
     total = scale(of_row * of_node, total)
-    store(kernel, number, (total[-1] if moves else 0.0, *total[: d + 2]))
+    kernel.store("k", ROWS, (total[-1] if moves else 0.0, *total[: d + 2]))
     if sums > d + 2:
         kernel.store("supplied", f"{{c}} + {{i}} * {d + 1}", (*total[d + 2 : sums], 0.0))
     return kernel

@@ -16,6 +16,7 @@ conduction. The kernels are at the end.
 """
 
 from collections.abc import Sequence
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -24,8 +25,8 @@ from fsipetsc.equations.vectors import add, along, dot, scale, total
 from fsipetsc.kernels.kernel import OWNED, PLANES, ROWS, Kernel
 from fsipetsc.operators.bands import Patch
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.operators.slopes import Near, kinds, slope
-from fsipetsc.scheme.sweep import KINDS, Sweep, in_order, kept, order, store
+from fsipetsc.operators.slopes import Near, slope
+from fsipetsc.scheme.sweep import Sweep, ends_of, in_order, kept, order
 
 #: most nodes of a tile along the first axis, and most rows, for d = 1, 2, 3
 TILES = ((1024, 1), (128, 1), (64, 32))
@@ -38,7 +39,7 @@ class SolidSweep(Sweep):
     """
 
     def __init__(self, solid: Any, d: int, kernels: Any, bands: Any, patch: Patch) -> None:
-        reaches = 2 + (kernels.conduct is not None)
+        reaches = 2 + len(kernels.conduct)
         numbers = numbers_of(d) | {"strains": len(solid.unstrained((0.0,) * d))}
         about = TILES[d - 1], reaches, reaches + 1, numbers
         self.prepare(solid, d, kernels, bands, patch, *about)
@@ -51,59 +52,31 @@ class SolidSweep(Sweep):
         f; y, q: planes of the owned nodes, and of all with a halo of two interior reaches, with
         conduction of three.
         """
-        heats = [self.find_heats] * (self.kernels.conduct is not None)
-        stages = enumerate((self.load, self.pull, *heats, self.store))
-        self.begin(part, found, y, q, f)
-        self.take(self.steps, [(do, box, box) for box, do in stages])
+        kernels = self.kernels
+        prestress = {} if part.prestress is None else {"prestress": part.prestress}
+        self.begin(part, found, y, q, f, **prestress)
+        heats = [partial(self.run, kernels.conduct)] * len(kernels.conduct)
+        every = enumerate((self.load, partial(self.run, kernels.pulls), *heats, self.find_rates))
+        self.take(self.steps, [(do, box, box) for box, do in every])
 
     def sweep_strains(self, part, y, q, F):
         """Fill planes of the strains F of the owned nodes; y, q: planes of their unknowns, and of
         those of a halo of one reach.
         """
-        own = 2 + (self.kernels.conduct is not None)
+        own, kernels = 2 + len(self.kernels.conduct), self.kernels.strains
         self.begin(part, None, y, q, F)
-        self.take(self.to_strains, ((self.load, 0, 0), (self.find_strains, own, own)))
+        self.take(self.to_strains, ((self.load, 0, 0), (partial(self.run, kernels), own, own)))
 
-    def given(self, x, y, z):
-        """What kernels take of the nodes from one on."""
-        found = super().given(x, y, z)
-        if self.part.prestress is not None:
-            found["prestress"] = self.part.prestress[0, self.ghosted_at(x, y, z) :]
-        return found
-
-    def load(self, x, n, y, z):
-        """Load unknowns."""
-        for begin, count, q, N in self.loaded(x, n, y, z):
-            row = self.row(self.tile.unknowns, begin, y, z)
-            self.kernels.load(count, q=q, N=N, unknowns=row)
-
-    def pull(self, x, n, y, z):
-        """Find F, T and the tractions t^k, within the interior with a kernel of its own."""
-        for begin, count, kind in kinds(x, n, y, z, self.inside):
-            self.kernels.pulls[kind](count, **self.given(begin, y, z))
-
-    def find_heats(self, x, n, y, z):
-        """Find the heats A^k . h."""
-        self.kernels.conduct(n, **self.given(x, y, z))
-
-    def find_strains(self, x, n, y, z):
-        """Store F."""
-        for begin, count, kind in kinds(x, n, y, z, self.inside):
-            F = self.f[0, self.own_at(begin, y, z) :]
-            self.kernels.strains[kind](count, F=F, M=self.M, **self.given(begin, y, z))
-
-    def store(self, x, n, y, z):
-        """Store rates, but the next stage of nodes to whose rates nothing is added."""
-        for first, length, stored in self.stored(x, n, y, z):
-            for begin, count, kind in kinds(first, length, y, z, self.inside):
-                own, given = self.own_at(begin, y, z), self.given(begin, y, z)
-                self.run(self.kernels.stores[3 * kind :], stored, count, own, **given)
+    def find_rates(self, x, n, y, z):
+        """Find the rates of a row, and store them."""
+        self.run(self.kernels.rates, x, n, y, z)
+        self.store(x, n, y, z)
 
 
 @kept
 def solid_kernels(solid: Any, d: int, order: int, prestressed: bool) -> SimpleNamespace:
-    """All kernels of a solid in d dimensions; order: of the operators. strains, pulls, stores:
-    those of any nodes, and of those inside of a block. conduct: None without conduction.
+    """All kernels of a solid in d dimensions; order: of the operators. strains, pulls, rates:
+    those of any nodes, and of those inside of a block. conduct: one, or none without conduction.
     """
     reach = OPERATORS[order].reach
     near, inside = (0, reach), (order // 2, reach)
@@ -113,8 +86,10 @@ def solid_kernels(solid: Any, d: int, order: int, prestressed: bool) -> SimpleNa
         load=_load(d),
         strains=tuple(_strain(solid, d, of) for of in both),
         pulls=tuple(_pull(solid, d, of, prestressed) for of in both),
-        stores=tuple(_accelerate(solid, d, of, *kind) for of in both for kind in enumerate(KINDS)),
-        conduct=_conduct(solid, d, near) if solid.kappa > 0.0 else None,
+        rates=tuple(_accelerate(solid, d, of) for of in both),
+        conduct=(_conduct(solid, d, near),) * (solid.kappa > 0.0),
+        ends=ends_of(2 * d + 1),
+        dof=2 * d + 1,
     )
 
 
@@ -141,7 +116,7 @@ def _strain(solid: Any, d: int, near: Near) -> Kernel:
     says = "F = 1 + 1/J0 sum_k D_k D A^k, with the stretch of hoops."
     kernel = Kernel("solid_strain" + "_inside" * (near[0] > 0), says)
     solid = kernel.parameters(solid)
-    kernel.store("F", OWNED, _found_strain(kernel, solid, d, near))
+    kernel.store("out", OWNED, _found_strain(kernel, solid, d, near))
     return kernel
 
 
@@ -189,10 +164,9 @@ def _conduct(solid: Any, d: int, near: Near) -> Kernel:
     return kernel
 
 
-def _accelerate(solid: Any, d: int, near: Near, number: int, kind: str) -> Kernel:
-    """Store the rates that follow from D°_k t^k, D_k v and, with conduction, D°_k A^k . h."""
-    says = "(v, Div P/m0 + b, Div (P^T v + h)/m0 + b . v), or what follows from these rates."
-    kernel = Kernel(f"solid_{kind}" + "_inside" * (near[0] > 0), says)
+def _accelerate(solid: Any, d: int, near: Near) -> Kernel:
+    says = "The rates v, Div P/m0 + b, Div (P^T v + h)/m0 + b . v."
+    kernel = Kernel("solid_rates" + "_inside" * (near[0] > 0), says)
     conducts, solid = solid.kappa > 0.0, kernel.parameters(solid)
     per_mass = 1.0 / (kernel.read("metrics", PLANES, 1, d * d)[0] * solid.m0)
     v, t = kernel.read("unknowns", ROWS, d, d), kernel.read("tractions", ROWS, d * d)
@@ -207,5 +181,5 @@ def _accelerate(solid: Any, d: int, near: Near, number: int, kind: str) -> Kerne
         (R,) = kernel.read("metrics", PLANES, 1, d * d + 1)
         acceleration = solid.with_hoop_force(acceleration, v, e, F, R)
     energy = per_mass * power + dot(solid.force, v)
-    store(kernel, number, (*v, *acceleration, energy))
+    kernel.store("k", ROWS, (*v, *acceleration, energy))
     return kernel

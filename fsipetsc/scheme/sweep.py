@@ -33,29 +33,30 @@ from numpy.typing import NDArray
 from fsipetsc.blocks.area_vectors import grid_kernels
 from fsipetsc.equations.vectors import add, along, sub
 from fsipetsc.kernels.arrays import aligned
-from fsipetsc.kernels.kernel import OWNED, Kernel, floats_of, unit
+from fsipetsc.kernels.kernel import OWNED, ROWS, Kernel, floats_of, unit
 from fsipetsc.kernels.loops import each, either, pick, when, whole
 from fsipetsc.operators.bands import Patch
-from fsipetsc.operators.slopes import axis_of, parts
+from fsipetsc.operators.slopes import axis_of, kinds, parts
 
 #: what is stored: k, the next stage, the solution
 RATES, STAGE, LAST = range(3)
-KINDS = "rates", "next", "last"
+KINDS = "rates", "stage", "solution"
 
 
-def store(kernel: Kernel, kind: int, k: Sequence[Any]) -> None:
-    """Let a kernel store what becomes of the rates k of its nodes."""
-    if kind == RATES:
-        kernel.store("next", OWNED, k)
-        return
-    a = kernel.number("a")
-    if kind == STAGE:
-        kernel.store("next", OWNED, along(kernel.read("y", OWNED, len(k)), a, k))
-        return
-    y = kernel.read("next", OWNED, len(k))  # the solution, which becomes the next one
-    one, two, three = (sub(kernel.read(n, OWNED, len(k)), y) for n in ("y1", "y2", "y3"))
-    change = along(add(one, three), 2.0, two)
-    kernel.store("next", OWNED, along(along(y, 1.0 / 3.0, change), a, k))
+def ends_of(dof: int) -> tuple[Kernel, ...]:
+    """The kernels, by kind, that store what becomes of the rates k of a row."""
+    kernels = tuple(Kernel(f"store_{kind}", f"From rates: {kind}.") for kind in KINDS)
+    for kind, kernel in enumerate(kernels):
+        new = k = kernel.read("k", ROWS, dof)
+        if kind == STAGE:
+            new = along(kernel.read("y", OWNED, dof), kernel.number("a"), k)
+        elif kind == LAST:
+            y = kernel.read("out", OWNED, dof)  # the solution, which becomes the next one
+            one, two, three = (sub(kernel.read(n, OWNED, dof), y) for n in ("y1", "y2", "y3"))
+            change = along(add(one, three), 2.0, two)
+            new = along(along(y, 1.0 / 3.0, change), kernel.number("a"), k)
+        kernel.store("out", OWNED, new)
+    return kernels
 
 
 def kept(make: Callable[..., Any]) -> Callable[..., Any]:
@@ -140,7 +141,7 @@ class Sweep(SimpleNamespace):
     (fsipetsc.operators.slopes); inside: three pairs, first node and first beyond of those inside of
     a block, None of axes that are not there. layers, depth: so many layers of so many rows are
     kept. tile: by name, (rows, numbers, ROW) what a row has of its nodes; margin: room in it before
-    and after those of the tile.
+    and after those of the tile. k: (dof, ROW) rates of the row at work.
     """
 
     def prepare(
@@ -179,21 +180,24 @@ class Sweep(SimpleNamespace):
         self.axes, count = in_order(axes, d)[:d], self.layers * self.depth * self.width
         made = {name: aligned(n * count).reshape(-1, n, self.width) for name, n in numbers.items()}
         self.tile = SimpleNamespace(**made)
+        self.k = aligned(kernels.dof * self.width).reshape(kernels.dof, self.width)
 
     @property
     def ranges(self) -> list[tuple[int, int]]:
         """Of each stage the layers in its box, which are those of all tiles."""
         return [(begin, end) for begin, end in self.boxes[0, :, 2].tolist()]
 
-    def begin(self, part: Any, found: Any, y: Any, q: Any, f: Any) -> None:
+    def begin(self, part: Any, found: Any, y: Any, q: Any, f: Any, **planes: Any) -> None:
         """Record what follows for a part. found: see fsipetsc.scheme.plan. y: planes of the
-        owned nodes of a state, q: of all with the halo, f: of what is found.
+        owned nodes of a state, q: of all with the halo, f: of what is found. planes: what kernels
+        take of all nodes beside metrics.
         """
         self.part, self.found, self.d = part, found, len(part.like)
         self.own, self.sizes, self.first = (in_order(of_axes, self.d) for of_axes in part.patch)
         self.end = [first + n for first, n in zip(self.first, self.own, strict=True)]
         self.N, self.M = part.metrics.shape[1], part.masses.shape[0]
         self.y, self.q, self.f = y, q, f
+        self.planes = {"metrics": part.metrics, **planes}
 
     def take(self, steps, stages):
         """Take the stages of all tiles, in the order of ``steps``: of each one what is done with a
@@ -219,10 +223,12 @@ class Sweep(SimpleNamespace):
     def given(self, x, y, z):
         """What kernels take of the nodes from one on."""
         found = {name: self.row(rows, x, y, z) for name, rows in vars(self.tile).items()}
-        found["metrics"] = self.part.metrics[0, self.ghosted_at(x, y, z) :]
+        at, own = self.ghosted_at(x, y, z), self.own_at(x, y, z)
+        found |= {name: planes[0, at:] for name, planes in self.planes.items()}
         for k, i in enumerate(in_order((x, y, z), self.d)[: self.d]):
             found |= self.axes[k].given(k, i)
-        return {**found, "N": self.N, "p": self.p}
+        found |= {"k": self.k[0, x - self.x0 + self.margin :], "out": self.f[0, own:]}
+        return {**found, "N": self.N, "M": self.M, "p": self.p}
 
     def ghosted_at(self, x: Any, y: Any, z: Any) -> Any:
         """The number of a node in ghosted arrays."""
@@ -233,29 +239,30 @@ class Sweep(SimpleNamespace):
         row = (z - self.first[2]) * self.own[1] + (y - self.first[1])
         return row * self.own[0] + (x - self.first[0])
 
-    def loaded(self, x, n, y, z):
-        """Yield parts of a row of nodes: where they begin, how many they are, and the unknowns of
-        the first one, how far their planes are apart. Owned nodes are read from y.
-        """
+    def load(self, x, n, y, z):
+        """Take the unknowns of a row of nodes, those of owned nodes from y."""
         ends = zip(self.first, self.end, strict=True)
         for begin, count, own in parts(x, x + n, y, z, ends):
             place, other = self.own_at(begin, y, z), self.ghosted_at(begin, y, z)
             q = either(own, self.y[0, place:], self.q[0, other:])
-            yield begin, count, q, pick(own, self.M, self.N)
+            given = self.given(begin, y, z) | {"q": q, "N": pick(own, self.M, self.N)}
+            self.kernels.load(count, **given)
 
-    def stored(self, x, n, y, z):
-        """Yield parts of a row of owned nodes: where they begin, how many they are, and what is
-        stored of them.
+    def run(self, kernels, x, n, y, z):
+        """Run a kernel on a row: that of any nodes or, if there are two, of nodes inside."""
+        every = kinds(x, n, y, z, self.inside) if len(kernels) == 2 else ((x, n, 0),)
+        for begin, count, kind in every:
+            kernels[kind](count, **self.given(begin, y, z))
+
+    def store(self, x, n, y, z):
+        """Store the rates k of a row of owned nodes or, of nodes to whose rates nothing is added,
+        what follows from them.
         """
-        kind = whole(self.found.stage[0])
+        found, kind = self.found, whole(self.found.stage[0])
+        worlds = {"y": found.y, **dict(zip(("y1", "y2", "y3"), found.stages, strict=True))}
         for begin, count, free in parts(x, x + n, y, z, self.part.free, kind != RATES):
-            yield begin, count, pick(free, kind, RATES)
-
-    def run(self, kernels: Any, kind: Any, n: Any, own: Any, **given: Any) -> None:
-        """Run the kernel of a kind of what is stored, from the owned node ``own`` on."""
-        worlds = {"y": self.found.y}
-        worlds |= dict(zip(("y1", "y2", "y3"), self.found.stages, strict=True))
-        given |= {name: world[self.part.begin + own :] for name, world in worlds.items()}
-        for number, kernel in enumerate(kernels[: len(KINDS)]):
-            with when(kind == number):
-                kernel(n, next=self.f[0, own:], M=self.M, a=self.found.stage[1], **given)
+            own, wanted = self.part.begin + self.own_at(begin, y, z), pick(free, kind, RATES)
+            given = {name: world[own:] for name, world in worlds.items()}
+            for number, kernel in enumerate(self.kernels.ends):
+                with when(wanted == number):
+                    kernel(count, a=found.stage[1], **given, **self.given(begin, y, z))
