@@ -12,7 +12,7 @@ import pytest
 
 from fsipetsc.equations import elementary
 from fsipetsc.kernels import build
-from fsipetsc.kernels.kernel import unit
+from fsipetsc.kernels.procedure import unit
 
 LONG = np.longdouble
 #: the most that a function may be wrong, in units in the last place, and what the reference may be

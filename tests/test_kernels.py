@@ -18,14 +18,14 @@ from helpers import PATIENCE, REPOSITORY, environment, message, mpirun, recorded
 from fsipetsc.equations.gas import Gas
 from fsipetsc.errors import InputError
 from fsipetsc.kernels import build
-from fsipetsc.kernels.kernel import PLANES, Kernel, floats_of, unit
+from fsipetsc.kernels.kernel import PLANES, Kernel, floats_of
 from fsipetsc.kernels.loops import each, number, otherwise, pick, stop, variable, when, whole
+from fsipetsc.kernels.procedure import unit
 from fsipetsc.kernels.symbols import MADE, Record, derivatives, exact, replay
 from fsipetsc.materials.stiffened_gas import PerfectGas
 from fsipetsc.materials.sutherland import ConstantTransport
 from fsipetsc.scheme.gas_sweep import gas_kernels
 from fsipetsc.scheme.gas_terms import convection_of
-from fsipetsc.scheme.sweep import text_of
 
 
 @pytest.fixture
@@ -87,7 +87,8 @@ def test_material_numbers_are_arguments_and_not_text():
     def text(mu, kappa, gamma):
         gas = Gas(PerfectGas(gamma, 287.0), ConstantTransport(), mu, kappa, (0.0, 0.0))
         kernels = gas_kernels(gas, 2, convection_of("entropy", gas), True, True, (2, 3))
-        return text_of(kernels, 2, 99), floats_of(gas)
+        found = kernels.load, kernels.near_pairs, kernels.far_pairs, *kernels.fluxes
+        return [kernel.text for kernel in found], floats_of(gas)
 
     one, other = text(1e-3, 0.02, 1.4), text(2e-3, 0.01, 5 / 3)
     assert one[0] == other[0] and one[1] != other[1]
@@ -183,7 +184,7 @@ comm = start_mpi()
 from test_kernels import simple
 from fsipetsc.errors import FsiError
 from fsipetsc.kernels import build
-from fsipetsc.kernels.kernel import unit
+from fsipetsc.kernels.procedure import unit
 from fsipetsc.process.together import libraries
 for kind in ("apart", "failing", "open"):
     os.environ["FSIPETSC_CACHE"] = f"{{kind}}{{comm.rank}}"

@@ -225,11 +225,11 @@ class BlockPart(Part):
 
         system: of particles; found: see fsipetsc.scheme.plan; begins: name -> where a series
         begins in the record of a step. A subclass has _prepare(system), which makes what procedures
-        take beside, and returns the text of kernels, and the procedures.
+        take beside, and returns the procedures.
         """
         self.columns, self.free = SimpleNamespace(**begins), in_order(self.inner, self.d)
-        text, functions = self._prepare(system)
-        code, self.does = Code(text), dict[str, Procedure]()
+        functions, self.does = self._prepare(system), dict[str, Procedure]()
+        code = Code(f"#define ROW {self.volume.width}\n")
         takes = {"particles": system.record, "gain": found.gain, "found": found}
         for f in functions:  # they take what their parameters name
             beside = [takes[p] for p in inspect.signature(f).parameters if p in takes]

@@ -30,7 +30,6 @@ from fsipetsc.scheme.gas_terms import CONSERVED, add_force, add_radial, convecti
 from fsipetsc.scheme.monitor import COLUMNS, MONITORED
 from fsipetsc.scheme.part import images, rates
 from fsipetsc.scheme.solid_sweep import SolidSweep, solid_kernels
-from fsipetsc.scheme.sweep import text_of
 
 Array = NDArray[Any]
 #: procedures of parts, and of those whose grid moves
@@ -109,8 +108,7 @@ class GasPart(BlockPart):
         self.room = np.zeros((MONITORED + len(vars(self.columns)), COLUMNS))
         self.masses, self.ends = self.H, self._ends()
         moving = OF_MOVING_GAS if self.moves else ()
-        text = text_of(made, self.d, self.volume.width)
-        return text, (*moving, images, normals, *OF_GAS)
+        return *moving, images, normals, *OF_GAS
 
     def _ends(self) -> SimpleNamespace:
         """The ends of all axes here, which are none along a periodic axis and at a centre."""
@@ -235,7 +233,7 @@ class SolidPart(BlockPart):
         kernels = solid_kernels(self.laws, d, self.order, self.prestress is not None)
         self.volume = SolidSweep(self.laws, d, kernels, self.bands, self.patch)
         self.room = np.zeros((MONITORED + len(vars(self.columns)), self.patch.own[0]))
-        return text_of(kernels, d, self.volume.width), (images, normals, *OF_SOLID)
+        return images, normals, *OF_SOLID
 
     def stressed(self, q: Array, rows: Any) -> tuple[Array, Array, Array, Array]:
         """T, p, Cauchy stress (d, d, n), that of hoops (1 or 0, n), of rows, by the last F."""

@@ -91,6 +91,7 @@ class Kernel:
         values = [known[name] for name in sorted(self._arguments)]
         call = f"{self.name}({', '.join(['{}'] * len(values))});"
         record.stores += 1
+        record.kernels[self.name] = self
         if self.counted is None:
             record.line(call, *values)
             return None
@@ -138,11 +139,6 @@ def floats_of(equations: Any) -> list[float]:
     found = list[float]()
     _replaced(equations, found.append)
     return found
-
-
-def unit(*texts: str) -> str:
-    """Return the text of a translation unit."""
-    return "\n".join([c_source("fsipetsc.kernels", "prelude.h"), *texts])
 
 
 def c_source(package: str, name: str) -> str:

@@ -27,13 +27,13 @@ class Recording(Record):
     """The symbols and lines of a procedure; a symbol is known between the braces where it was made.
 
     items: Symbols and Lines in their order. stores: how many there were, as what is read after one
-    may be another number.
+    may be another number. kernels: those that are called, by name.
     """
 
     def __init__(self) -> None:
         super().__init__()
         self.items, self._within = list[Symbol | Line](), [list[Any]()]
-        self.stores, self.count = 0, 0
+        self.stores, self.count, self.kernels = 0, 0, dict[str, Any]()
 
     def __enter__(self) -> "Recording":
         _recordings.append(self)

@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.kernels.kernel import unit
+from fsipetsc.kernels.kernel import c_source
 from fsipetsc.kernels.loops import Array, Recording
 from fsipetsc.kernels.printing import printed
 
@@ -58,7 +58,9 @@ def _pointers(vectors: Sequence[np.ndarray]) -> tuple[int, int]:
 
 
 class Procedure(Called):
-    """A recorded procedure, which can be called once its code is loaded. text: the C function."""
+    """A recorded procedure, which can be called once its code is loaded. text: the C function.
+    kernels: those that it calls, by name.
+    """
 
     def __init__(self, name: str, function: Callable[..., None], *records: Any) -> None:
         self.name, self._values = name, dict[str, Any]()
@@ -69,7 +71,7 @@ class Procedure(Called):
             given = [self._stand_in(name, value, record) for name, value in pairs]
             worlds = (record.given(v, kind="double *") for v in self.vectors)
             function(*given, *(Array(world, (None,)) for world in worlds))
-        self.text = self._text(function.__doc__ or "", record)
+        self.text, self.kernels = self._text(function.__doc__ or "", record), record.kernels
 
     def _stand_in(self, name: str, value: Any, record: Recording) -> Any:
         """What stands for a record, or a part of one, while the procedure is recorded: arrays and
@@ -154,11 +156,16 @@ def _lazy(kind: type) -> Any:
     return type(kind.__name__, (kind,), new)
 
 
+def unit(*texts: str) -> str:
+    """Return the text of a translation unit."""
+    return "\n".join([c_source("fsipetsc.kernels", "prelude.h"), *texts])
+
+
 class Code:
-    """The procedures of one translation unit, which begins with a text that they need."""
+    """The procedures of one translation unit, the kernels that they call, and more text in C."""
 
     def __init__(self, text: str = "") -> None:
-        self._text, self.procedures = text or unit(), list[Procedure]()
+        self._text, self.procedures = text, list[Procedure]()
 
     def procedure(self, name: str, function: Callable[..., None], *records: Any) -> Procedure:
         """Record a function of these records."""
@@ -167,7 +174,9 @@ class Code:
 
     @property
     def text(self) -> str:
-        return "\n".join([self._text, *(procedure.text for procedure in self.procedures)])
+        kernels = {name: one for of in self.procedures for name, one in of.kernels.items()}
+        every = *kernels.values(), *self.procedures
+        return unit(self._text, *(one.text for one in every))
 
     def load(self, library: ctypes.CDLL) -> None:
         """Take the functions from the compiled text."""

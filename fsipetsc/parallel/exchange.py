@@ -19,7 +19,7 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from fsipetsc.kernels.kernel import c_source, unit
+from fsipetsc.kernels.kernel import c_source
 from fsipetsc.kernels.procedure import Called
 from fsipetsc.parallel.block_shares import Share
 
@@ -30,8 +30,8 @@ _NO = np.zeros(0, np.int64)
 
 
 def exchange_text() -> str:
-    """The C code of exchanges and reductions, with which a translation unit begins."""
-    return unit(c_source("fsipetsc.parallel", "exchange.c"))
+    """The C code of exchanges and reductions."""
+    return c_source("fsipetsc.parallel", "exchange.c")
 
 
 class Route(NamedTuple):

@@ -30,10 +30,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blocks.area_vectors import grid_kernels
 from fsipetsc.equations.vectors import add, along, sub
 from fsipetsc.kernels.arrays import aligned
-from fsipetsc.kernels.kernel import OWNED, ROWS, Kernel, floats_of, unit
+from fsipetsc.kernels.kernel import OWNED, ROWS, Kernel, floats_of
 from fsipetsc.kernels.loops import each, either, pick, when, whole
 from fsipetsc.operators.bands import Patch
 from fsipetsc.operators.slopes import axis_of, kinds, parts
@@ -74,16 +73,6 @@ def _is_ours(value: Any) -> bool:
         return False
     stands = vars(sys.modules[kind.__module__]).get(kind.__name__) is kind
     return stands and (not isinstance(value, tuple) or all(map(_is_ours, value)))
-
-
-def text_of(kernels: Any, d: int, row: int) -> str:
-    """The C code that sweeps of a block in d dimensions need. kernels: a record that has kernels,
-    tuples of them, and other data. row: how many numbers a row of a tile has room for.
-    """
-    every = *vars(kernels).values(), *vars(grid_kernels(d, kernels.near)).values()
-    nested = (one if isinstance(one, tuple) else (one,) for one in every)
-    texts = [one.text for some in nested for one in some if isinstance(one, Kernel)]
-    return unit(f"#define ROW {row}\n", *texts)
 
 
 def order(S: Any, ranges: Sequence[tuple[int, int]]) -> NDArray[np.int64]:
