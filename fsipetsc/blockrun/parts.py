@@ -21,7 +21,7 @@ from fsipetsc.parallel.block_layout import GATHER_TAG, BlockLayout, Part
 from fsipetsc.parallel.exchange import RowExchange
 from fsipetsc.particles.members import Particle
 from fsipetsc.particles.system import ParticleSystem
-from fsipetsc.scheme import gas_procedures as of_gas
+from fsipetsc.scheme import gas_terms as of_gas
 from fsipetsc.scheme import solid_procedures as of_solid
 from fsipetsc.scheme.dissipation import AT_SHOCKS, GasDamping, SolidDamping, sigma_of
 from fsipetsc.scheme.faces import normals

@@ -3,7 +3,7 @@
     weight_i (J U)_t,i = - sum_k sum_l S_il (F^k(i, l) - {a^k . f_v})
 
 and a constant force, which is summed pair by pair like the fluxes. On a grid that moves J has the
-flux - g, that of U = 1; fsipetsc.scheme.gas_procedures adds a^k . v of nodes at the end of an axis.
+flux - g, that of U = 1; fsipetsc.scheme.gas_terms adds a^k . v of nodes at the end of an axis.
 The weight of a node is the product of those along all axes; S_il of a pair along axis k is that of
 fsipetsc.operators.bands times the weights along the other axes. The fluxes are those of
 fsipetsc.equations.gas.

@@ -1,7 +1,7 @@
 """What is recorded of each step: an entry for each series. What must not change of it.
 
 An entry has all that is known of a series but what computes it. Sums over nodes are computed by
-name in fsipetsc.scheme.gas_procedures and solid_procedures. Columns of records, units, labels of
+name in fsipetsc.scheme.gas_terms and solid_procedures. Columns of records, units, labels of
 pictures, what `diff` adds up, and the table of the site follow from the entries.
 """
 

@@ -1,6 +1,6 @@
 """What is done with a rank's part of a solid block in a step.
 
-Its monitor bounds the next step as that of a gas (fsipetsc.scheme.gas_procedures), but with
+Its monitor bounds the next step as that of a gas (fsipetsc.scheme.gas_terms), but with
 convection sqrt(sum_k (c |A^k| / (J0 h_k))^2),  c^2 the largest wave modulus over m0.
 """
 

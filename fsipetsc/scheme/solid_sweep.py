@@ -1,15 +1,13 @@
 """Rates of the nodes of a solid block, without fluxes through its faces. fsipetsc.equations.solid
-has the equations, fsipetsc.operators.bands the weights S_il of pairs. With
-
-    D_k f   = sum_l S_il (f_l - f_i) / (2 weight_i)     derivative along axis k
-    D°_k f  = sum_l S_il (f_l + f_i) / (2 weight_i)     the same without flux through the ends
-
-and the tractions t^k = P A^k, the rates of displacement, velocity and energy are
+has the equations, fsipetsc.operators.slopes the derivatives D_k along an axis and, without the flux
+through its ends, D°_k. With the tractions t^k = P A^k, the rates of displacement, velocity and
+energy are
 
     D_t = v,    J0 m0 v_t = sum_k D°_k t^k,
     J0 m0 e_t = v . sum_k D°_k t^k + sum_k t^k . D_k v.
 
-The power is, pair by pair, S_il (t_i . v_l + t_l . v_i)/2: nothing is lost or won.
+The power is, pair by pair, S_il (t_i . v_l + t_l . v_i)/2 with the weights S_il of
+fsipetsc.operators.bands: nothing is lost or won.
 
 F, T and t^k of a node are found from displacements, and rates from them; between them there is
 conduction. The kernels are at the end.
