@@ -60,11 +60,9 @@ class Option:
     check: str | Callable[[Any], str | bool | None] | None = None
 
     def __post_init__(self) -> None:
-        kind = self.kind.__name__ if isinstance(self.kind, type) else self.kind
-        if kind not in _KINDS:
+        object.__setattr__(self, "kind", getattr(self.kind, "__name__", self.kind))
+        if self.kind not in _KINDS:
             raise TypeError(f"option {self.name!r}: expected a kind of {', '.join(_KINDS)}")
-        object.__setattr__(self, "kind", kind)
-        object.__setattr__(self, "unit", "" if self.unit == "-" else self.unit)
 
     def parse(self, text: str) -> Any:
         if text == "" and self.kind != "bool":
@@ -211,7 +209,7 @@ IN_LOOP, AT_START = ("ts_monitor", "ts_view"), tuple(PASSED_ON)[4:]
 
 
 def groups(
-    case: Any, extra: Sequence[Option] = (), inherited: Mapping[str, Any] | None = None
+    case: Any, extra: Sequence[Option] = (), inherited: Mapping[str, Any] = {}
 ) -> dict[str, tuple[Option, ...]]:
     """Heading -> options of a case, their defaults those in force; extra: those of a command;
     inherited: values of a checkpoint. InputError if the case's OPTIONS or DEFAULTS do not fit.
@@ -233,7 +231,7 @@ def groups(
     for name in [name for name in case.DEFAULTS if name not in known][:1]:
         hint = _nearest(str(name), known)
         raise InputError(f"case {case.NAME}: DEFAULTS has {name!r}, which is no option{hint}")
-    values = {"fsi_output": f"{case.NAME}.h5", **case.DEFAULTS, **(inherited or {})}
+    values = {"fsi_output": f"{case.NAME}.h5", **case.DEFAULTS, **inherited}
 
     def in_force(option: Option) -> Option:
         value = values.get(option.name, option.default)
@@ -303,7 +301,7 @@ def read_options(
     case: Any,
     given: Mapping[str, str],
     extra: Sequence[Option] = (),
-    inherited: Mapping[str, Any] | None = None,
+    inherited: Mapping[str, Any] = {},
 ) -> dict[str, Any]:
     """Name -> typed value of every option in force; PETSc gets its own of them. InputError."""
     from petsc4py import PETSc

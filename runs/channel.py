@@ -20,7 +20,6 @@ from fsipetsc import Block, BlockProblem, Fluid, Option
 from fsipetsc.blocks.conditions import Given, NoSlip, Open, Slip
 from fsipetsc.blocks.maps import rectangle
 
-SUMMARY = "a gas flows through a plane channel"
 INFLOWS = ("profile", "uniform", "slip", "fringe", "given", "periodic")
 OPTIONS = (
     Option("channel_inflow", str, "profile", "", "how the gas comes in", INFLOWS),

@@ -19,7 +19,6 @@ import numpy as np
 from fsipetsc import Fluid, FluidLayer, Option, Problem, Solid, SolidLayer, Wall, clamped
 from fsipetsc.equations.elementary import exp
 
-SUMMARY = "air under gravity on an elastic floor, at rest or with a sound wave"
 OPTIONS = (
     Option("gravity_wave", float, 1e-3, "m/s", "A, the amplitude of the wave at the floor"),
     Option("gravity_mode", int, 1, "", "n, half waves within the height", check="positive"),

@@ -18,7 +18,6 @@ from fsipetsc.blocks.conditions import NoSlip
 from fsipetsc.blocks.maps import rectangle
 from fsipetsc.materials.solid import ElasticSolid
 
-SUMMARY = "a steady flux of heat through air, a board of foam and air"
 OPTIONS = (
     Option("flux_symmetry", int, 0, "", "0: plane, 1: around an axis, 2: a centre", (0, 1, 2)),
     Option("flux_warm", float, 300.0, "K", "temperature of the inner wall", check="positive"),

@@ -16,7 +16,6 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from fsipetsc import Fluid, FluidLayer, Open, Option, Piecewise, Problem, Wall
 
-SUMMARY = "a piston whose way is a table drives gas in a long tube"
 OPTIONS = (
     Option("wall_way", str, "spline", "", "interpolant", ("spline", "pchip", "lines", "exact")),
     Option("wall_samples", int, 25, "", "samples of the table", check="positive"),

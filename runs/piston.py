@@ -11,8 +11,6 @@ less than a second.
 
 from fsipetsc import Fluid, FluidLayer, Option, Problem, Solid, SolidLayer, Wall, free
 
-NAME = "piston"
-SUMMARY = "a piston flies into a closed cylinder of gas and bounces"
 OPTIONS = (
     Option("piston_speed", float, 25.0, "m/s", "initial speed of the piston"),
     Option("piston_density", float, 250.0, "kg/m3", "density of the piston", check="positive"),

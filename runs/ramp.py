@@ -21,7 +21,6 @@ from fsipetsc.cases.riemann import GasState, sound
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import above_one
 
-SUMMARY = "a supersonic flow over an elastic ramp: a shock at its foot, a fan at its crest"
 OPTIONS = (
     Option("ramp_mach", float, 2.0, "", "Mach number of the gas that comes in", check=above_one),
     Option("ramp_angle", float, 10.0, "degrees", "angle of the ramp", check="positive"),

@@ -11,7 +11,6 @@ from fsipetsc.blocks.conditions import Clamped, Free
 from fsipetsc.blocks.maps import rectangle
 from fsipetsc.materials.solid import ElasticSolid
 
-SUMMARY = "a square clamped plate swings under a sudden pressure, in three dimensions"
 OPTIONS = (
     Option("plate_thickness", float, 0.005, "m", "thickness d of the plate", check="positive"),
     Option("plate_cells", int, 7, "", "cells through the thickness; order 4 needs 7, 6 needs 11"),

@@ -15,7 +15,6 @@ from fsipetsc import Fluid, FluidLayer, Option, Problem, Solid, SolidLayer, Wall
 from fsipetsc.materials.own import transport_law
 from fsipetsc.materials.sutherland import sutherland
 
-SUMMARY = "hot gas whose viscosity follows Sutherland's law cools at a cold block"
 OPTIONS = (
     Option("hot_T", float, 1200.0, "K", "temperature of the gas at the wall", check="positive"),
     Option("hot_law", int, 1, "", "1: Sutherland's, 2: the built-in one, 0: constant", (0, 1, 2)),

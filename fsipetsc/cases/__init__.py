@@ -1,9 +1,9 @@
 """The built-in cases and the loading of users' own case files.
 
 A case is a module, or what ``case`` makes. It has OPTIONS, a tuple of Option, and build, a function
-of the options in force (name -> value) that returns a Problem or a BlockProblem. It may have NAME,
-that of the result file, SUMMARY, one line, and DEFAULTS, name of an option -> default that replaces
-the common one.
+of the options in force (name -> value) that returns a Problem or a BlockProblem. What a file need
+not define is filled in: NAME, that of the result file, SUMMARY, the first line of its docstring,
+and DEFAULTS, name of an option -> default that replaces the common one.
 """
 
 import importlib
@@ -34,23 +34,25 @@ BUILT_IN = {name: file for file, names in _FILES.items() for name in names.split
 
 
 def case(defaults: Mapping[str, Any], *options: Option) -> Callable[[Any], SimpleNamespace]:
-    """Make a case of its function build: its name, and the first line of its docstring."""
+    """Make a case of its function build, which has its name and tells what it is about."""
+    about = {"OPTIONS": options, "DEFAULTS": dict(defaults)}
+    return lambda build: _named(SimpleNamespace(**about, build=build), build.__name__, build)
 
-    def of(build: Any) -> SimpleNamespace:
-        first = build.__doc__.partition("\n")[0].rstrip(".")
-        about = {"NAME": build.__name__, "SUMMARY": first[:1].lower() + first[1:]}
-        return SimpleNamespace(**about, OPTIONS=options, DEFAULTS=dict(defaults), build=build)
 
-    return of
+def _named(case: Any, name: str, documented: Any) -> Any:
+    """Give a case the name and the first line of a docstring, unless it has its own."""
+    first = (documented.__doc__ or "").strip().partition("\n")[0].rstrip(".")
+    about = {"NAME": name, "SUMMARY": first[:1].lower() + first[1:], "DEFAULTS": {}}
+    vars(case).update(about | vars(case))
+    return case
 
 
 def load_case(name_or_path: str, also: Sequence[str] = ()) -> Any:
     """A built-in case, or the module of a case file; also: other names to suggest. InputError."""
     if name_or_path in BUILT_IN:
         file = importlib.import_module(f"fsipetsc.cases.{BUILT_IN[name_or_path]}")
-        case: Any = getattr(file, name_or_path, file)  # ring.py is a case, and a template
-        case.NAME = name_or_path
-        return case
+        # ring.py is a case, and a template
+        return getattr(file, name_or_path, None) or _named(file, name_or_path, file)
     if name_or_path.endswith(".py") or os.sep in name_or_path:
         return _load_file(Path(name_or_path))
     if name_or_path.endswith(".h5") and os.path.isfile(name_or_path):
@@ -70,7 +72,7 @@ def case_of(problem: Any, **defaults: Any) -> SimpleNamespace:
 
 
 def _load_file(path: Path) -> ModuleType:
-    """Run a case file, check what it defines, and fill in what may be missing. InputError."""
+    """Run a case file, and check what it defines. InputError."""
     what = f"case file {path}"
     try:
         text, file = path.read_bytes(), path.resolve()
@@ -82,17 +84,13 @@ def _load_file(path: Path) -> ModuleType:
     if str(file.parent) not in sys.path:
         sys.path.append(str(file.parent))  # for modules of the user's beside the file
     call(exec, (call(compile, (text, str(file), "exec"), what), vars(module)), what)
-    for missing, value in {"NAME": path.stem, "SUMMARY": "", "DEFAULTS": {}}.items():
-        setattr(module, missing, getattr(module, missing, value))
-    options = getattr(module, "OPTIONS", None)
-    of_options = isinstance(options, (tuple, list)) and all(isinstance(o, Option) for o in options)
+    _named(module, path.stem, module)
     if not callable(getattr(module, "build", None)):
         raise InputError(f"{what}: does not define a function build(opt)")
+    options = getattr(module, "OPTIONS", None)
+    of_options = isinstance(options, (tuple, list)) and all(isinstance(o, Option) for o in options)
     if not of_options or not isinstance(module.DEFAULTS, Mapping):
         expected = "OPTIONS, a tuple of Option (of one: with a comma), and DEFAULTS, a dict"
         raise InputError(f"{what}: expected {expected}; either may be empty")
-    try:
-        groups(module)
-    except InputError as error:
-        raise InputError(f"{what}: {error}") from None
+    groups(module)
     return module

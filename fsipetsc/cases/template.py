@@ -13,7 +13,6 @@ case can say.
 # Conditions at the ends: Wall, Open, Dirichlet for a gas; clamped, free, absorbing for a solid.
 from fsipetsc import Fluid, FluidLayer, Option, Problem, Solid, SolidLayer, Wall
 
-SUMMARY = "a plate oscillates between two gases in a closed tube"  # one line for -help
 # Options of this case: name, type, default, unit, meaning, and perhaps what is allowed.
 OPTIONS = (
     Option("plate_speed", float, 10.0, "m/s", "speed of the plate at the start"),

@@ -12,7 +12,6 @@ from fsipetsc import Block, BlockProblem, Fluid, Option
 from fsipetsc.blocks.conditions import NoSlip, Open
 from fsipetsc.blocks.maps import rectangle
 
-SUMMARY = "gas flows through a plane channel"
 OPTIONS = (Option("gas_speed", float, 35.0, "m/s", "mean velocity", check="positive"),)
 # With dissipation what the grid does not resolve at corners decays. At the end the flow is steady.
 DEFAULTS = {"fsi_h": 0.01 / 16, "fsi_dissipation": 1.0, "ts_max_time": 0.003}

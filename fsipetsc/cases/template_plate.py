@@ -14,7 +14,6 @@ from fsipetsc.blocks.conditions import Free, Hinge, Open, Roller, Slip
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.materials.solid import ElasticSolid
 
-SUMMARY = "a clamped plate swings under a sudden pressure"
 OPTIONS = (
     Option("plate_thickness", float, 0.005, "m", "thickness d of the plate", check="positive"),
     Option("plate_cells", int, 7, "", "cells through the thickness; order 4 needs 7, 6 needs 11"),

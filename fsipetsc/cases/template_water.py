@@ -16,7 +16,6 @@ from fsipetsc.equations.elementary import tanh
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.stiffened_gas import stiffened_gas
 
-SUMMARY = "water hammer in an elastic tube, around its axis"
 OPTIONS = (
     Option("tube_young", float, 3e9, "Pa", "Young's modulus E of the wall", check="positive"),
     Option("tube_poisson", float, 0.4, "", "Poisson's number, below 0.5", check="nonnegative"),

@@ -61,7 +61,7 @@ def vortex(trial: Trial) -> None:
     """
     gas, blocks, faces, n = Fluid(0.0, 0.0, 1.4, 1.0), [], {}, round(4.0 / trial.h)
     side = Given(values=lambda X, Y, t: vortex_at(*moved(X, Y, t), t), x=moved)
-    for i, j in ((0, 0), (1, 0), (0, 1), (1, 1)):
+    for j, i in product((0, 1), (0, 1)):
 
         def place(xi: Any, i: int = i, j: int = j) -> list[Array]:
             a, b = 4.0 * (xi[0] + i - 1.0), 4.0 * (xi[1] + j - 1.0)
@@ -73,16 +73,15 @@ def vortex(trial: Trial) -> None:
         faces |= {(f"{i}{j}", 0, i): side, (f"{i}{j}", 1, j): side}
     layers = trial.solve(BlockProblem(tuple(blocks), faces, units="none"), 1.0).layers
     table, order = reference("gas"), trial.closures if trial.order > 2 else 1.0
-    some = np.isfinite(table["r"])
-    r, *fields = (table[name][some] for name in ("r", "vortex rho", "vortex u", "vortex p"))
-    of_r = {name: smooth(r, values) for name, values in zip(("rho", "u", "p"), fields)}
-    frame = joined(layer.frame(-1) for layer in layers)
+    some, frame = np.isfinite(table["r"]), joined(layer.frame(-1) for layer in layers)
     z = frame["x"] + 1j * frame["y"] - complex(*CENTRE) - complex(*SPEED)
-    r, velocity = abs(z), frame["u"] + 1j * frame["v"] - complex(*SPEED)
-    exact = 1j * z / np.maximum(r, 1e-300) * of_r["u"](r)
-    errors = {"rho": frame["rho"] - of_r["rho"](r), "velocity": velocity - exact}
-    for name, error in {**errors, "p": frame["p"] - of_r["p"](r)}.items():
-        trial.check(name, error, order, power=2)
+    velocity = frame["u"] + 1j * frame["v"] - complex(*SPEED)
+    of_r = (smooth(table["r"][some], table[f"vortex {name}"][some]) for name in ("rho", "u", "p"))
+    rho, u, p = (field(abs(z)) for field in of_r)
+    turning = 1j * z / np.maximum(abs(z), 1e-300) * u
+    trial.check("rho", frame["rho"] - rho, order, power=2)
+    trial.check("velocity", velocity - turning, order, power=2)
+    trial.check("p", frame["p"] - p, order, power=2)
 
 
 def shock_tubes(trial: Trial) -> None:
@@ -128,8 +127,8 @@ def taylor_green(trial: Trial) -> None:
         return [1.0 + p / warm, u, v, 0.0 * x, warm + 0.0 * x]
 
     space, n = rectangle((0.0, 0.0, 0.0), (period,) * 3), round(period / trial.h)
-    gas, around = Fluid(0.0, 0.0, 1.4, 1.0), (True,) * 3
-    cube = BlockProblem((Block("gas", gas, space, (n,) * 3, start, periodic=around),), {})
+    gas = Fluid(0.0, 0.0, 1.4, 1.0)
+    cube = BlockProblem((Block("gas", gas, space, (n,) * 3, start, periodic=(True,) * 3),), {})
     run = trial.solve(cube, 1.0, fsi_convection="entropy", fsi_dissipation=-1.0)
     frame = run.layers[0].frame(-1)
     for name in "uvw":
@@ -278,16 +277,13 @@ def beam(trial: Trial) -> None:
     """Free vibration in vacuum: the slowest motion that bends a beam."""
     table, h = reference("beam"), trial.h
     solid = ElasticSolid(1.0, 0.0, 0.0, 1.0, 1.0, law="linear", heat="elastic")
-    sides = tuple(product((0, 1), (0, 1)))
-    for ends, d, thin in (("clamped", 0.05, 22.37), ("hinged", 0.02, np.pi**2)):
-        where, at_ends = rectangle((0.0, -0.5 * d), (1.0, 0.5 * d)), Clamped()
-        points: tuple[Any, ...] = ()
-        if ends == "hinged":
-            points, at_ends = tuple(("beam", (x, 0.0), Hinge()) for x in (0.0, 1.0)), Free()
-        cells = round(1 / h), round(0.6 / h)
-        block = Block("beam", solid, where, cells, lambda X, Y: (0, 0, 1, X, Y))
-        faces = {("beam", axis, side): Free() if axis else at_ends for axis, side in sides}
-        problem, unit = BlockProblem((block,), faces, points=points), np.sqrt(d**2 / 6.0)
+    hinges = tuple(("beam", (x, 0.0), Hinge()) for x in (0.0, 1.0))
+    ways = ("clamped", 0.05, 22.37, Clamped(), ()), ("hinged", 0.02, np.pi**2, Free(), hinges)
+    for ends, d, thin, sides, points in ways:
+        across, cells, unit = (-0.5 * d, 0.5 * d), round(0.6 / h), np.sqrt(d**2 / 6.0)
+        bent = Layer("beam", solid, across, lambda X, Y: (0, 0, 1, X, Y), cells, sides=sides)
+        around = {"lower": Free(), "upper": Free(), "along": ((0.0, 1.0),), "points": points}
+        problem = layers(bent, cells=(round(1 / h),), **around)
         with BlockState(MPI.COMM_SELF, problem, trial.order) as state:
             # 2/1 has a second mode near it, which alternates from node to node
             found = modes_near(state, 0.9j * thin * unit)[0].imag / unit
