@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from functools import partial
-from itertools import pairwise, product
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -81,25 +81,26 @@ def between(s: Array, inner: Places, outer: Places) -> Places:
 
 
 def disk_in_gas(
-    radius: float, half: float, outside: Sequence[Map], cells: Sequence[int], solid: Any, gas: Any
-) -> tuple[Block, ...]:
-    """Blocks of a disk, and of gas around its quarters; axis 0 of all but the one in the middle
-    goes outwards, axis 1 around.
+    radius: float, half: float, cells: Sequence[int], solid: Any, gas: Any, beyond: Any, sides: Any
+) -> BlockProblem:
+    """A disk of five blocks in gas of four, one for each quarter. Axis 0 of all but the block in
+    the middle goes outwards, axis 1 around.
 
-    outside: maps of the gas. cells: around a quarter, in the disk, in the gas. solid, gas:
-    material, initial data, and more that a block may have.
+    cells: around a quarter, in the disk, in the gas. solid, gas: material, initial data, and more
+    that a block may have. beyond: of q and xi, places of the gas. sides: conditions of its edge.
     """
-    around, within, beyond = cells
+    around, within, outside = cells
 
     def block(name: str, map: Map, across: int, of: Any) -> Block:
         material, start, *more = of
         return Block(name, material, map, (across, around), start, *more)
 
-    blocks = [block("middle", partial(centre, half), around, solid)]
-    for q, name in enumerate(("right", "top", "left", "bottom")):
+    blocks, faces = [block("middle", partial(centre, half), around, solid)], {}
+    for q, (name, side) in enumerate(zip(("right", "top", "left", "bottom"), sides)):
         blocks.append(block(f"disk {name}", partial(quarter, q, radius, half), within, solid))
-        blocks.append(block(f"gas {name}", outside[q], beyond, gas))
-    return tuple(blocks)
+        blocks.append(block(f"gas {name}", partial(beyond, q), outside, gas))
+        faces[f"gas {name}", 0, 1] = side
+    return BlockProblem(tuple(blocks), faces, units="none")
 
 
 @case(
@@ -124,13 +125,13 @@ def disk(opt: Opt) -> BlockProblem:
         spin = opt["disk_spin"] * np.abs(1.0 - X * X - Y * Y) ** opt["disk_power"]
         return -spin * Y, spin * X, 1.0 + 0.0 * X, X, Y
 
-    ends = [np.pi / 4 * (2.0 * q - 1.0) for q in range(5)]
-    rings = [annulus(radius, vessel, pair) for pair in pairwise(ends)]
+    def ring(q, xi):
+        ends = np.pi / 4 * (2.0 * q - 1.0), np.pi / 4 * (2.0 * q + 1.0)
+        return annulus(radius, vessel, ends)(xi)
+
     cells = common.cells_of(opt, 2.0 * half, radius - half, vessel - radius)
-    still = gas, common.constant(1.0, 0.0, 0.0, 1.0)
-    blocks = disk_in_gas(radius, half, rings, cells, (solid, spinning), still)
-    faces = {(block.name, 0, 1): common.wall_for(gas) for block in blocks if block.kind == "fluid"}
-    return BlockProblem(blocks, faces, units="none")
+    content = (solid, spinning), (gas, common.constant(1.0, 0.0, 0.0, 1.0))
+    return disk_in_gas(radius, half, cells, *content, ring, [common.wall_for(gas)] * 4)
 
 
 @case(
@@ -157,12 +158,9 @@ def cylinder(opt: Opt) -> BlockProblem:
         return between(xi[0], circle, tuple((1 - xi[1]) * a + xi[1] * b for a, b in ends))
 
     cells = common.cells_of(opt, np.pi / 2 * radius, radius - core, 1.25)
-    maps = [partial(in_gas, q) for q in range(4)]
     content = (solid, common.at_rest()), (gas, flow)
-    blocks = disk_in_gas(radius, core, maps, cells, *content)
     sides = Outflow(AHEAD.p), Slip(), inflow, Slip()
-    faces = {(block.name, 0, 1): side for block, side in zip(blocks[2::2], sides, strict=True)}
-    return BlockProblem(blocks, faces, units="none")
+    return disk_in_gas(radius, core, cells, *content, in_gas, sides)
 
 
 @case(
@@ -230,7 +228,6 @@ def fin(opt: Opt) -> BlockProblem:
     rest = common.at_rest(ahead.p / (air.R * ahead.rho))
     x, y = np.cumsum([0.0, 0.05, opt["fin_thickness"], 0.25]), (0.0, length, height)
     columns, rows = (common.cells_of(opt, *np.diff(at)) for at in (x, y))
-    columns[1] = common.cells_of(opt, 0.0)[0]
     blocks, faces = [], {}
     for j, i in product(range(2), range(3)):
         panel = (i, j) == (1, 0)

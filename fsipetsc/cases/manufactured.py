@@ -5,6 +5,7 @@ are at places comes from the record. Places are (*X, t), d arrays of one shape a
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import zip_longest
 from typing import Any
@@ -298,7 +299,6 @@ def body_mms(opt: Opt) -> BlockProblem:
     walls = {"x": lambda *at: exact.grid(*at)[:2], "velocity": lambda *at: exact.grid(*at)[2:]}
     solid = exact.body, exact.exact_solid, exact.force_solid, exact.exact_solid
     gas = exact.fluid, exact.exact_gas, exact.force_gas, exact.exact_gas
-    maps = [partial(to_box, q) for q in range(4)]
-    blocks = disk_in_gas(1.0, HALF, maps, (n, n, n), solid, gas)
-    faces = {(block.name, 0, 1): Given(exact.exact_gas, **walls) for block in blocks[2::2]}
-    return BlockProblem(blocks, faces, jumps=exact.supplied, units="none")
+    sides = [Given(exact.exact_gas, **walls)] * 4
+    problem = disk_in_gas(1.0, HALF, (n, n, n), solid, gas, to_box, sides)
+    return replace(problem, jumps=exact.supplied)
