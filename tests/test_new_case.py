@@ -52,8 +52,7 @@ def test_plate(tmp_path):
     assert t[back][way[back].argmin()] == pytest.approx(1e-3 * period, rel=0.03)
 
 
-@pytest.mark.parametrize("kind", ["water", "channel"])
-def test_other_templates(kind, tmp_path):
-    written(tmp_path, "mine.py", f"-{kind}")
+def test_water(tmp_path):
+    written(tmp_path, "mine.py", "-water")
     run = kept(computed(tmp_path, "a.h5", "mine.py", "-ts_max_steps", 3), 1e-9)
     assert run.summary["steps"] == 3

@@ -1,5 +1,7 @@
 """Layers of gas and solid in one dimension: the paper's cases, a box, a column, a piston."""
 
+from functools import partial
+
 import numpy as np
 
 from fsipetsc import FluidLayer, InputError, Option, Problem, SolidLayer
@@ -66,11 +68,11 @@ def mms(opt: Opt) -> Problem:
         sigma, T = np.sin(t * t) * np.sin(2 * X), 5 + np.cos(t) * np.sin(3 * X)
         return t * g, sigma, T, X + 0.5 * t * t * g
 
-    def on_gas(X, t, s):
+    def on_gas(X_I, X, t):
         """What the exact solution leaves over in (4.20)."""
         rho, u, T = fields = in_gas(X, t)
         (rho_t, u_t, T_t), (rho_X, u_X, T_X) = (derivatives(fields, y) for y in (t, X))
-        past, pushing = u - s, gas.R * rho * T - 4 / 3 * gas.mu * u_X
+        past, pushing = u - in_gas(X_I, t)[1], gas.R * rho * T - 4 / 3 * gas.mu * u_X
         pushed, conducted = derivatives((pushing, gas.kappa * T_X), X)
         mass = rho_t + rho_X * past + rho * u_X
         force = rho * (u_t + past * u_X) + pushed
@@ -92,18 +94,14 @@ def mms(opt: Opt) -> Problem:
         stress = sigma + gas.R * rho * T - 4 / 3 * gas.mu * u_X
         return v - u, stress, T_s - T, solid.kappa_e / x_X * T_s_X - gas.kappa * T_X
 
-    force_gas, force_solid = recorded(3, on_gas), recorded(2, on_solid)
-    jump = recorded(2, left_over)
-
     def fluid(name, X, X_I, x):  # x: the boundary
-        forcing = lambda X, t: force_gas(X, t, in_gas(X_I, t)[1])  # noqa: E731
         end = Dirichlet(x, lambda t: in_gas(X_I + x - in_solid(X_I, t)[3], t))
-        return FluidLayer(name, gas, X, in_gas, forcing, in_gas), end
+        return FluidLayer(name, gas, X, in_gas, recorded(2, partial(on_gas, X_I)), in_gas), end
 
     left, begin = fluid("left", (0.25, 1.0), 1.0, 0.25)
-    middle = SolidLayer("solid", solid, (1.0, 2.0), in_solid, force_solid, in_solid)
+    middle = SolidLayer("solid", solid, (1.0, 2.0), in_solid, recorded(2, on_solid), in_solid)
     right, end = fluid("right", (2.0, 4.0), 2.0, 4.0)
-    jumps = lambda k, t: jump(k + 1.0, t)  # noqa: E731
+    jumps = recorded(2, lambda k, t: left_over(k + 1.0, t))
     return Problem((left, middle, right), begin, end, jumps=jumps, units="none")
 
 

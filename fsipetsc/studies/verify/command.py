@@ -60,14 +60,14 @@ def verify(arguments: list[str], comm: Comm) -> None:
 
     counts: Counter[str] = Counter()
     for name in names or GRIDS:
-        text, rows = problem(name), list[Row]()
+        text = problem(name)
         title, about = text.partition("\n")[0][2:], text.split("\n\n")[-1].rstrip()
         source = " ".join(about.split()).removeprefix("Reference: ").split(". Expected: ")[0]
         study.say(f"{title} ({name})\n{about}")
         cells = GRIDS[name][study.opt["verify_level"] == "full"].items()
         grids = {order: [1.0 / n for n in of_order] for order, of_order in cells}
-        for found in study.measured(grids, getattr(entries, name)):
-            rows += found
+        measured = study.measured(grids, getattr(entries, name))
+        rows = [row for of_order in measured for row in of_order]
         study.add(name, source, rows)  # the table is written again after each entry
         study.say("" if rows else "only with -verify_level full\n")
         study.on_first(partial(_show, study, name, title, rows))
