@@ -186,8 +186,6 @@ PETSC_OPTIONS: tuple[Option, ...] = (
         ("none",)),
     Option("ts_ssp_type", str, "rks2", "", "method of ssp", ("rks2", "rks3", "rk104")),
 )  # fmt: skip
-#: how names of PETSc's options begin, which a case cannot have
-PETSCS = "ts_ ksp_ pc_ snes_ mat_ vec_ dm_ log_ malloc_ options_ prefix_".split()
 #: other spellings: of another release of PETSc, or deprecated there
 ALIASES = {"ts_time_step": "ts_dt", "ts_final_time": "ts_max_time"}
 
@@ -226,7 +224,7 @@ def groups(
     known = [option.name for options in sections.values() for option in options]
     taken = [name.lower() for name in (*known, *PASSED_ON, "help")]
     for name in (option.name for option in case.OPTIONS):
-        if taken.count(name.lower()) > 1 or name.lower().startswith(tuple(PETSCS)):
+        if taken.count(name.lower()) > 1:
             raise InputError(f"case {case.NAME}: its option -{name} has the name of another one")
     for name in [name for name in case.DEFAULTS if name not in known][:1]:
         hint = _nearest(str(name), known)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc import Block, BlockProblem, Fluid, Option
-from fsipetsc.blocks.conditions import Centre, Clamped, Free, Outflow, Slip
+from fsipetsc.blocks.conditions import Centre, Clamped, Free, NoSlip, Outflow, Slip
 from fsipetsc.blocks.maps import Map, Places, annulus, off_axis, rectangle
 from fsipetsc.cases import case, common
 from fsipetsc.cases.common import SHOCKS, Opt, materials
@@ -131,7 +131,8 @@ def disk(opt: Opt) -> BlockProblem:
 
     cells = common.cells_of(opt, 2.0 * half, radius - half, vessel - radius)
     content = (solid, spinning), (gas, common.constant(1.0, 0.0, 0.0, 1.0))
-    return disk_in_gas(radius, half, cells, *content, ring, [common.wall_for(gas)] * 4)
+    wall = NoSlip() if gas.mu > 0.0 else Slip()
+    return disk_in_gas(radius, half, cells, *content, ring, [wall] * 4)
 
 
 @case(

@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from fsipetsc import BlockProblem, Fluid, Option, Solid
-from fsipetsc.blocks.conditions import NoSlip, Slip
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.checks import Array
 from fsipetsc.materials.solid import ElasticSolid
@@ -80,11 +79,6 @@ def at_rest(T: float = 1.0) -> Callable[..., Any]:
 def line_at_rest(sigma: float, T: float) -> Callable[[Array], Any]:
     """Initial data of a solid layer under the stress sigma [Pa], of the temperature T [K]."""
     return lambda X: (0.0, sigma, T, X)
-
-
-def wall_for(gas: Fluid) -> NoSlip | Slip:
-    """A wall that a viscous gas sticks to, and along which another one slips."""
-    return NoSlip() if gas.mu > 0.0 else Slip()
 
 
 def cells_of(opt: Opt, *lengths: float) -> list[int]:

@@ -1,7 +1,5 @@
 """Shocks and supersonic flows on flat layers: gas alone, over a plate, a panel or a layer."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from fsipetsc import BlockProblem, Fluid, InputError, Option
@@ -80,10 +78,9 @@ def panel(opt: Opt) -> BlockProblem:
     ends = {"span": ((0.0, 1.0),), "sides": Free(p) if hinged else Clamped()}
     below = Layer("panel", panel, (-h, 0.0), push, cells=across, **ends)
     above = Layer("gas", gas, (0.0, height), flow, cells=rows, sides=sides, beside=Slip())
+    points = [("panel", (x, -0.5 * h), Hinge()) for x in (0.0, 1.0) if hinged]
     where = {"lower": Free(p), "upper": outside, "along": ((-0.5, 1.5),)}
-    problem = common.stack(opt, below, above, **where)
-    points = tuple(("panel", (x, -0.5 * h), Hinge()) for x in (0.0, 1.0))
-    return replace(problem, points=points) if hinged else problem
+    return common.stack(opt, below, above, points=tuple(points), **where)
 
 
 def turned_by(gas: Fluid, state: GasState, theta: float) -> GasState:

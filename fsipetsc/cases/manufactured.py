@@ -272,9 +272,6 @@ class Disk(Solution):
         u, v, _, x, y = add(scale(1.0 - s, inner), scale(s, outer))
         return x, y, u, v
 
-    def supplied(self, X: Array, Y: Array, t: float) -> list[Array]:
-        return self.jump(X, Y, t, *scale(-1.0 / np.sqrt(X * X + Y * Y), (X, Y)))
-
 
 def to_box(q: int, xi: Places) -> Places:
     """Map from the circle to a side of the box along rays."""
@@ -300,5 +297,9 @@ def body_mms(opt: Opt) -> BlockProblem:
     solid = exact.body, exact.exact_solid, exact.force_solid, exact.exact_solid
     gas = exact.fluid, exact.exact_gas, exact.force_gas, exact.exact_gas
     sides = [Given(exact.exact_gas, **walls)] * 4
+
+    def supplied(X, Y, t):
+        return exact.jump(X, Y, t, *scale(-1.0 / np.sqrt(X * X + Y * Y), (X, Y)))
+
     problem = disk_in_gas(1.0, HALF, (n, n, n), solid, gas, to_box, sides)
-    return replace(problem, jumps=exact.supplied)
+    return replace(problem, jumps=supplied)

@@ -20,12 +20,11 @@ from fsipetsc.blocks.maps import annulus
 from fsipetsc.equations.elementary import exp, power
 from fsipetsc.materials.solid import ElasticSolid
 
-LAWS = "neo-hookean", "log", "svk"
 OPTIONS = (
     Option("ring_gas", bool, True, "", "gas inside and outside; else the ring is in a vacuum"),
     Option("ring_pulse", float, 0.5, "Pa", "overpressure; else p is 1", check="nonnegative"),
     Option("ring_around", int, None, "", "cells around; default: by -fsi_h", check="positive"),
-    Option("solid_law", str, LAWS[0], "", "law of the solid", LAWS),
+    Option("solid_law", str, "neo-hookean", "", "its law", ("neo-hookean", "log", "svk")),
 )
 DEFAULTS = {"fsi_h": 0.025, "fsi_order": 6, "ts_max_time": 3.0, "fsi_output_dt": 0.05}
 CORE, INNER, OUTER, VESSEL = 0.4, 1.0, 1.3, 2.0  # radii [m]

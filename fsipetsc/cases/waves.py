@@ -7,10 +7,10 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 
 from fsipetsc import BlockProblem, FluidLayer, InputError, Problem, SolidLayer, Wall, clamped
-from fsipetsc.blocks.conditions import Clamped
+from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
 from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases import case
-from fsipetsc.cases.common import Opt, elastic_of, gas_of, materials, solid_of, stack, wall_for
+from fsipetsc.cases.common import Opt, elastic_of, gas_of, materials, solid_of, stack
 from fsipetsc.checks import Array
 
 #: points of the collocation in either layer
@@ -169,5 +169,6 @@ def wave(opt: Opt) -> BlockProblem:
     below = Layer("layer", solid, (-depth, 0.0), in_solid, exact=in_solid)
     above = Layer("gas", gas, (0.0, height), in_gas, exact=in_gas)
     note = f"the mode goes as exp(s t), s = {s.real:.9f} {s.imag:+.9f} i"
-    ends = {"lower": Clamped(), "upper": wall_for(gas), "along": ((0.0, 2.0 * np.pi / k),)}
+    wall = NoSlip() if gas.mu > 0.0 else Slip()
+    ends = {"lower": Clamped(), "upper": wall, "along": ((0.0, 2.0 * np.pi / k),)}
     return stack(opt, below, above, notes=(note,), **ends)
