@@ -1,7 +1,7 @@
 """The table of options: -help, checking, the options stored with a result and the docs use it.
 
-PETSc reads the command line, PETSC_OPTIONS and options files. What it then holds is checked here,
-once. The rest of the program gets typed values, PETSc those that it is to follow.
+PETSc reads the command line, PETSC_OPTIONS and options files. The options that it has found are
+checked here. The program gets typed values, and PETSc gets those options that it is to follow.
 """
 
 import os

@@ -1,7 +1,7 @@
-"""Manufactured solutions: what the equations lack of motions that are given is their forcing.
+"""Manufactured solutions: all unknowns are given, and the forcing is what the equations then lack.
 
-Formulas run once on symbols, of which all derivatives follow (fsipetsc.kernels.symbols); what they
-are at places comes from the record. Places are (*X, t), d arrays of one shape and a time.
+Formulas run once on symbols, which gives their derivatives (fsipetsc.kernels.symbols); numbers come
+from the record. They are functions of (*X, t): d arrays of coordinates, of one shape, and the time.
 """
 
 from collections.abc import Callable, Sequence

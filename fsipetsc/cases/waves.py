@@ -28,8 +28,8 @@ def chebyshev(n: int, low: float, high: float) -> tuple[Array, Array]:
 
 
 def eigenmodes(gains: list[Array], weights: list[float], conditions: dict) -> tuple[Array, Array]:
-    """(s, modes (…, fields, n)) of gains z = s weights z, (n, unknowns) for each field. Some rows,
-    (field, point), give way to conditions, weights of all unknowns, whose sum is to be 0.
+    """(s, modes (…, fields, n)) of gains z = s weights z, (n, unknowns) for each field. Conditions,
+    (field, point) -> weights, replace some rows: the unknowns times their weights have the sum 0.
     """
     from scipy.linalg import eig
 

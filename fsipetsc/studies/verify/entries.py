@@ -118,7 +118,7 @@ def shock_tubes(trial: Trial) -> None:
 
 
 def taylor_green(trial: Trial) -> None:
-    """Taylor and Green's vortex without viscosity: orders inside, down to compressibility."""
+    """Taylor and Green's vortex without viscosity: the gas is nearly incompressible."""
     period, warm, table = 2.0 * np.pi, 2500 / 1.4, reference("taylor_green")
 
     def start(x: Array, y: Array, z: Array) -> list[Array]:
