@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -137,8 +137,7 @@ class Patch(NamedTuple):
     ghosted: Triple
     first: Triple
 
-    def ghosted_rows(self, rows: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Places in the ghosted array of owned nodes, by their places among these."""
-        i, j, k = np.unravel_index(rows, self.own, order="F")
-        (n0, n1, _), (a, b, c) = self.ghosted, self.first
-        return i + a + n0 * (j + b + n1 * (k + c))
+    def ghosted_rows(self, i: Any) -> Any:
+        """The number in the ghosted array of the owned node i, of an array or of one."""
+        (n0, n1, _), (g0, g1, _), (f0, f1, f2) = self
+        return f0 + i % n0 + g0 * (f1 + i // n0 % n1 + g1 * (f2 + i // (n0 * n1)))

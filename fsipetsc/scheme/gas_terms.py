@@ -54,7 +54,7 @@ from fsipetsc.materials.stiffened_gas import PerfectGas, stiffened_gas
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.faces import add_areas, slope_at, turn_plane
 from fsipetsc.scheme.monitor import along_axes, moment, note_potential, observe
-from fsipetsc.scheme.part import area, book, gas_at, ghosted_node, moving, owned_planes
+from fsipetsc.scheme.part import area, book, gas_at, moving, owned_planes
 
 #: laws whose entropy the two-point flux of fsipetsc.equations.gas conserves
 CONSERVED = PerfectGas, stiffened_gas
@@ -141,36 +141,33 @@ def add_radial(part, own, q, rates, gain):
     part.grid: see fsipetsc.blocks.grid. part.hoops: ((d + 1)^2, N) for u/T and -1/T, and for
     the viscous fluxes of hoops along each axis; None in a gas without viscosity.
     """
-    source = part.grid.source
-    for i in each(rates.shape[0]):
-        n = ghosted_node(i, part.patch)
-        rates[i, 1 + len(part.like)] += gas_at(part, q, n)[1] * source[n]
+    source, d = part.grid.source, len(part.like)
     if part.hoops is not None:
-        add_viscous(part, q, rates)
-
-
-def add_viscous(part, q, rates):
-    """Add what viscous stresses around the axis do to momentum and energy."""
-    find_hoops(part, q)
-    gas, d, like_z = part.laws, len(part.like), (*part.like, 0.0)
-    source, room = part.grid.source, part.hoops
+        find_hoops(part, q)
     for i in each(rates.shape[0]):
-        n = ghosted_node(i, part.patch)
+        n = part.patch.ghosted_rows(i)
         w = gas_at(part, q, n)
-        u, T, spread, fluxes = gas.velocity(w), w[2], 0.0, like_z
-        for k in range(d):
-            a = area(part, k, n)
-            slope, flux = (
-                slope_at(part, n, k, lambda n, first=first: column(like_z, room, n, first), own)
-                for first, own in ((0, -1.0), ((k + 1) * (d + 1), 1.0))
-            )
-            spread, fluxes = spread + dot(a, u) * slope[-1] + dot(a, slope[:-1]), add(fluxes, flux)
-        div, e = T / q[n, 0] * spread, u[-1] * source[n] / q[n, 0]
-        mu = gas.mu * gas.transport.viscosity(T)
-        push = mu * (2.0 * e / len(part.grid.hoops) - 2.0 / 3.0 * (div + e)) * source[n]
-        fluxes = (*fluxes[: d - 1], fluxes[d - 1] - push, fluxes[d])
-        for c in range(d + 1):
-            rates[i, 2 + c] += fluxes[c]
+        rates[i, 1 + d] += w[1] * source[n]
+        if part.hoops is not None:
+            for c, value in enumerate(hoop_rates(part, w, q[n, 0], n)):
+                rates[i, 2 + c] += value
+
+
+def hoop_rates(part, w, J, n):
+    """Return what viscous stresses around the axis do to momentum and energy of a node."""
+    gas, d, like_z, source = part.laws, len(part.like), (*part.like, 0.0), part.grid.source
+    u, T, spread, fluxes = gas.velocity(w), w[2], 0.0, like_z
+    for k in range(d):
+        a = area(part, k, n)
+        slope, flux = (
+            slope_at(part, n, k, lambda n, at=at: column(like_z, part.hoops, n, at), own)
+            for at, own in ((0, -1.0), ((k + 1) * (d + 1), 1.0))
+        )
+        spread, fluxes = spread + dot(a, u) * slope[-1] + dot(a, slope[:-1]), add(fluxes, flux)
+    div, e = T / J * spread, u[-1] * source[n] / J
+    mu = gas.mu * gas.transport.viscosity(T)
+    push = mu * (2.0 * e / len(part.grid.hoops) - 2.0 / 3.0 * (div + e)) * source[n]
+    return *fluxes[: d - 1], fluxes[d - 1] - push, fluxes[d]
 
 
 def find_hoops(part, q):
@@ -260,7 +257,7 @@ def find_volumes(part):
     """Find J of the grid at the owned nodes."""
     part.grid.find_volumes()
     for i in each(part.J.shape[0]):
-        part.J[i] = part.grid.volume[ghosted_node(i, part.patch)]
+        part.J[i] = part.grid.volume[part.patch.ghosted_rows(i)]
 
 
 def begin_grid(part):

@@ -12,7 +12,7 @@ import numpy as np
 from fsipetsc.equations.vectors import cross
 from fsipetsc.kernels.loops import each, variable
 from fsipetsc.scheme.observables import PLACES
-from fsipetsc.scheme.part import ghosted_node, rows_of
+from fsipetsc.scheme.part import rows_of
 from fsipetsc.scheme.plan import BAD, RATE, SAID_STOP, STOP
 
 #: columns of a room
@@ -77,7 +77,7 @@ def note_potential(part, found, mass, place):
     """
     total = variable(0.0)
     for i in each(part.masses.size):
-        n = ghosted_node(i, part.patch)
+        n = part.patch.ghosted_rows(i)
         for c, b in enumerate(part.laws.force):
             total.value -= mass(i) * b * place(c, i, n)
     found.latest[part.columns.potential_energy] += total.value

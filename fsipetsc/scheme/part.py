@@ -75,15 +75,9 @@ def gas_at(part, q, n):
     return part.laws.primitive(row((*part.like, 0.0, 0.0, 0.0), q, n))
 
 
-def ghosted_node(i, patch):
-    """Return the number in the ghosted array of the owned node i."""
-    (n0, n1, _), (g0, g1, _), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
-    return f0 + i % n0 + g0 * (f1 + i // n0 % n1 + g1 * (f2 + i // (n0 * n1)))
-
-
 def rows_of(part):
     """Yield rows of owned nodes: the first in ghosted arrays, among the owned ones, how many."""
-    (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = part.patch.own, part.patch.ghosted, part.patch.first
+    (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = part.patch
     for z in each(n2):
         for y in each(n1):
             yield f0 + g0 * (f1 + y + g1 * (f2 + z)), n0 * (y + n1 * z), n0

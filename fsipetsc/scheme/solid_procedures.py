@@ -13,7 +13,7 @@ from fsipetsc.kernels.loops import each
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.faces import strain_at
 from fsipetsc.scheme.monitor import along_axes, moment, note_potential, observe
-from fsipetsc.scheme.part import area, book, ghosted_node, ghosted_planes, owned_planes, rows_of
+from fsipetsc.scheme.part import area, book, ghosted_planes, owned_planes, rows_of
 
 
 def store(part, particles, y):
@@ -150,7 +150,7 @@ def note_ends(part, q, found):
     """Note place, velocity, sigma and T of nodes at interfaces, in one dimension."""
     solid, ends = part.laws, part.interfaces
     for m in each(ends.shape[0]):
-        own, node = ends[m, 1], ghosted_node(ends[m, 1], part.patch)
+        own, node = ends[m, 1], part.patch.ghosted_rows(ends[m, 1])
         F, v = column(solid.unstrained((0.0,)), part.F, own), q[own, 1]
         S = 0.0 if part.prestress is None else part.prestress[0, node]
         T = temperature(part, (v,), q[own, 2], F, node)
