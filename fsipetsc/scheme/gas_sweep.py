@@ -60,8 +60,8 @@ class GasSweep(Sweep):
     steps: (n, 2) stages and layers (fsipetsc.scheme.sweep.order). spans: see `_spans`. low: (sums,
     ROW) sums of lower nodes of the row at work. per_weight: 1 over the weights along the first
     axis. potential: (N,) Phi of the ghosted nodes, where a constant force acts pair by pair;
-    supplied: (M (d + 1),) the force on each owned node and room for a power, interlaced, over the
-    node's weight (fsipetsc.scheme.gas_terms); else (0,).
+    supplied: (M, d + 1) the force on each owned node and room for a power, over the node's weight
+    (fsipetsc.scheme.gas_terms); else (0, d + 1).
     """
 
     def __init__(self, gas: Any, d: int, kernels: Any, bands: Any, patch: Patch) -> None:
@@ -77,7 +77,7 @@ class GasSweep(Sweep):
         self.low = self.low.reshape(kernels.sums, self.width)
         raised = int(kernels.raises)
         self.potential = np.zeros(raised * int(np.prod(patch.ghosted)))
-        self.supplied = np.zeros(raised * int(np.prod(patch.own)) * (d + 1))
+        self.supplied = np.zeros((raised * int(np.prod(patch.own)), d + 1))
 
     def sweep(self, part, found, y, q, f):
         """Store the rates of the owned nodes, or what becomes of them (fsipetsc.scheme.sweep), in
@@ -151,7 +151,7 @@ class GasSweep(Sweep):
         """Find the rates of a row from its sums, and store them."""
         of_row = 1.0 / (self.weight[1][y] * self.weight[2][z])
         given = {"low": self.low[0, x - self.x0 + self.margin :], "of_row": of_row}
-        given["supplied"] = self.supplied[self.own_at(x, y, z) * (self.d + 1) :]
+        given["supplied"] = self.supplied[self.own_at(x, y, z) :]
         self.kernels.rates(n, of_node=self.per_weight[x:], **given, **self.given(x, y, z))
         self.store(x, n, y, z)
 

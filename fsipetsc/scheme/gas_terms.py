@@ -94,10 +94,8 @@ def collect_force(part, sums, per_weight, power, own):
     """Add the force of links, the last of the sums of an owned node, and the power of what diffuses
     to what is supplied there.
     """
-    supplied, count = part.volume.supplied, len(part.like) + 1
-    before = tuple(supplied[own * count + c] for c in range(count))
-    for c, force in enumerate(along(before, per_weight, add_last(power, sums[-count:]))):
-        supplied[own * count + c] = force
+    supplied, more = part.volume.supplied, add_last(power, sums[-len(part.like) - 1 :])
+    supplied[own] = along(row(more, supplied, own), per_weight, more)
 
 
 def find_potential(part):
@@ -120,7 +118,7 @@ def add_force(part, q, ghosted, rates, gain):
     def pushed(i):
         """Force and power at a node, per volume of the reference coordinates."""
         if part.form.raises:
-            *force, power = (supplied[i * (d + 1) + c] for c in range(d + 1))
+            *force, power = row((*b, 0.0), supplied, i)
             u = [q[i, 2 + c] / q[i, 1] for c in range(d)]
             for c in range(d):
                 power = power + force[c] * u[c]

@@ -93,11 +93,7 @@ def set_data(timed, time):
             values = one.make(x, t)
             t.record.exact.update(range(begun, len(t.record.symbols)))
             for array, value in zip(one.targets, values, strict=True):
-                if isinstance(value, tuple):
-                    for c, number in enumerate(value):
-                        array[row, c] = number
-                else:
-                    array[row] = value
+                array[row] = value
 
 
 def set_time(part: float) -> Callable[..., None]:
