@@ -11,7 +11,7 @@ blocks that share a face get the same bits for what lies within it, whichever wa
 """
 
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -27,73 +27,51 @@ from fsipetsc.kernels.loops import each, pick, when
 from fsipetsc.kernels.symbols import exact
 from fsipetsc.operators.slopes import Near, axis_of, kinds, slope
 
-#: planes of places, and of q in the layers that are kept
-WIDE, RING = "{c} * W + {i}", "{c} * Q + {i}"
+#: planes from which kernels take numbers
+WIDE = "{c} * W + {i}"
 #: instead of the number of an axis: all of them
 ALL = 3
 
 
 @cache
-def grid_kernels(d: int, near: Near) -> SimpleNamespace:
-    """The kernels of grids in d dimensions: of any nodes, then of nodes inside."""
-    both = (0, near[1]), near
-    volumes, axes = tuple(_volume(d, of) for of in both), range(3)
+def grid_kernels(d: int, near: Near) -> dict[str, tuple[Kernel, Kernel]]:
+    """The kernels of grids in d dimensions, of any nodes and of nodes inside. Of planes x and of
+    periods P they make planes out.
+    """
+
+    def gradients(kernel: Kernel, D: Any) -> Any:
+        P = (kernel.read("P", SHARED, d, d * k) for k in range(d))
+        return total(add(D(k, d), of) for k, of in enumerate(P))
+
+    def potential(k: int, kernel: Kernel, D: Any) -> Any:
+        x, P = kernel.read("x", WIDE, 3), kernel.read("P", SHARED, 3, 3 * k)
+        return along(cross(x, P), 0.5, cross(x, D(k, 3)))
+
+    def curl(i: int, kernel: Kernel, D: Any) -> Any:
+        j, k = (i + 1) % 3, (i + 2) % 3
+        return add(sub(D(j, 3, 3 * k), D(k, 3, 3 * j)), kernel.read("P", SHARED, 3))
+
+    made: dict[str, Any] = {"volume": lambda *of: (determinant(gradients(*of)),)}
     if d < 3:
-        return SimpleNamespace(
-            volumes=volumes,
-            metrics=tuple(_metrics(d, of) for of in both),
-            divergences=tuple(_divergence(d, of) for of in both),
-        )
-    return SimpleNamespace(
-        volumes=volumes,
-        potentials=tuple(_potential(k, of) for k in axes for of in both),
-        curls=tuple(_curl(k, of) for k in axes for of in both),
-    )
+        made["metrics"] = lambda *of: cofactor(gradients(*of))  # of D x
+        made["divergence"] = lambda kernel, D: (total(D(k, 1, k)[0] for k in range(d)),)
+    for k in range(3) if d == 3 else ():
+        made[f"potential_{k}"], made[f"curl_{k}"] = partial(potential, k), partial(curl, k)
+    any_node = 0, near[1]
+    return {
+        name: (_kernel(name, any_node, of), _kernel(f"{name}_inside", near, of))
+        for name, of in made.items()
+    }
 
 
-def _kernel(name: str, near: Near, says: str) -> Kernel:
-    return Kernel(name + "_inside" * (near[0] > 0), f"{says} of nodes of a row.")
+def _kernel(name: str, near: Near, formula: Any) -> Kernel:
+    """formula(kernel, D): what is stored, D(axis, count, first) the derivatives of so many x."""
+    kernel = Kernel(name, "Of the nodes of a row, see fsipetsc.blocks.area_vectors.")
 
+    def D(axis: int, count: int, first: int = 0) -> Any:
+        return slope(kernel, "x", WIDE, axis, near, count, first)
 
-def _gradients(kernel: Kernel, d: int, near: Near) -> Any:
-    """D_k x and the periods, axis by axis."""
-    P = (kernel.read("P", SHARED, d, d * k) for k in range(d))
-    return total(add(slope(kernel, "x", WIDE, k, near, d), of) for k, of in enumerate(P))
-
-
-def _volume(d: int, near: Near) -> Kernel:
-    kernel = _kernel("volume", near, "det D x")
-    kernel.store("out", PLANES, (exact(determinant(_gradients(kernel, d, near))),))
-    return kernel
-
-
-def _metrics(d: int, near: Near) -> Kernel:
-    kernel = _kernel("metrics", near, "Cofactors of D x")
-    kernel.store("out", PLANES, exact(cofactor(_gradients(kernel, d, near))))
-    return kernel
-
-
-def _divergence(d: int, near: Near) -> Kernel:
-    kernel = _kernel("divergence", near, "sum_k D_k x_k")
-    every = total(slope(kernel, "x", WIDE, k, near, 1, k) for k in range(d))
-    kernel.store("out", PLANES, (exact(total(every)),))
-    return kernel
-
-
-def _potential(k: int, near: Near) -> Kernel:
-    kernel = _kernel(f"potential_{k}", near, "q_k")
-    x, D = kernel.read("x", WIDE, 3), slope(kernel, "x", WIDE, k, near, 3)
-    of_period = cross(x, kernel.read("P", SHARED, 3, 3 * k))
-    kernel.store("q", RING, exact(along(of_period, 0.5, cross(x, D))), 3 * k)
-    return kernel
-
-
-def _curl(i: int, near: Near) -> Kernel:
-    kernel = _kernel(f"curl_{i}", near, "a^i")
-    j, k = (i + 1) % 3, (i + 2) % 3
-    ahead, behind = (slope(kernel, "q", RING, m, near, 3, 3 * n) for m, n in ((j, k), (k, j)))
-    found = add(sub(ahead, behind), kernel.read("of_periods", SHARED, 3, 3 * i))
-    kernel.store("a", PLANES, exact(found), 3 * i)
+    kernel.store("out", PLANES, exact(tuple(formula(kernel, D))))
     return kernel
 
 
@@ -105,6 +83,7 @@ class Rows(SimpleNamespace):
 
     def __init__(self, wide: Wide, where: Range) -> None:
         self.sizes, more = (*wide.sizes, 1, 1)[:3], 3 - len(where)
+        self.W = int(np.prod(self.sizes))
         begins, last = [begin for begin, _ in wide.wide], np.cumprod(self.sizes)
         places = [None, *(np.arange(n) * step for n, step in zip(self.sizes[1:], last))]
         every = zip(wide.bands, places, strict=False)
@@ -114,28 +93,29 @@ class Rows(SimpleNamespace):
         self.nodes = int(np.prod(self.range[:, 1] - self.range[:, 0]))
         self.kernels = grid_kernels(len(where), wide.near)
 
-    def run(self, kernels, x, out, P):
-        """Run a kernel on the range. x: planes of the Wide, out: of the range."""
-        x, out = x.reshape(-1), out.reshape(-1)
+    def run(self, name, x, out, P):
+        """Run a kernel on the range. x: planes of the Wide, out: of the range, P: periods."""
+        source = x.reshape(-1), self.W, self.axes, self.at
+        target = out.reshape(-1), self.nodes, self.place
         for z in each(self.range[2, 0], self.range[2, 1]):
-            for at, n, kind, given in self.parts(self.range, z, self.axes, range(len(self.axes))):
-                given |= {"x": x[self.at(*at) :], "out": out[self.place(*at) :], "P": P[0]}
-                kernels[kind](n, **given)
+            self.run_layer(name, self.range, z, range(len(self.axes)), source, target, P[0])
 
-    def parts(self, box, z, axes, along):
-        """Yield parts of the rows of a layer of a box: first node, how many, 1 where they are
-        inside along some axes, else 0, and what kernels take of these.
+    def run_layer(self, name, box, z, along, source, target, P):
+        """Run a kernel on the rows of a layer of a box. source: planes, how far they are apart, the
+        neighbours there, and at(x, y, z), where a node is; target: the same without neighbours.
+        along: the axes along which it takes derivatives.
         """
+        (x, W, axes, at), (out, N, place) = source, target
         inside = [axes[k].inside if k in along else None for k in range(3)]
         inside[0] = inside[0] or (0, self.sizes[0])
-        W = self.sizes[0] * self.sizes[1] * self.sizes[2]
         for y in each(box[1, 0], box[1, 1]):
-            x = box[0, 0]
-            for begin, n, kind in kinds(x, box[0, 1] - x, y, z, inside):
-                at, given = (begin, y, z), {"W": W, "N": self.nodes}
+            first, last = box[0, 0], box[0, 1]
+            for begin, n, kind in kinds(first, last - first, y, z, inside):
+                node = begin, y, z
+                given = {"x": x[at(*node) :], "W": W, "out": out[place(*node) :], "N": N, "P": P}
                 for k in along:
-                    given |= axes[k].given(k, at[k])
-                yield at, n, kind, given
+                    given |= axes[k].given(k, node[k])
+                self.kernels[name][kind](n, **given)
 
     def at(self, x, y, z):
         """The number of a node of the Wide."""
@@ -198,17 +178,15 @@ class Curls(Rows):
 
     def find_potential(self, x, k, box, z):
         """Fill q_k of the rows of a layer of a box."""
-        for at, n, kind, given in self.parts(box, z, self.axes, (k,)):
-            given |= {"x": x[0, self.at(*at) :], "q": self.q[0, self.at_q(*at) :], "P": self.P[0]}
-            self.kernels.potentials[2 * k + kind](n, Q=self.q.shape[1], **given)
+        source = x[0], self.W, self.axes, self.at
+        target = self.q[3 * k], self.q.shape[1], self.at_q
+        self.run_layer(f"potential_{k}", box, z, (k,), source, target, self.P[0])
 
     def find_area(self, i, a, box, z):
         """Fill a^i of the rows of a layer of a box."""
-        of_q, along = (*self.axes[:2], self.ring), ((i + 1) % 3, (i + 2) % 3)
-        for at, n, kind, given in self.parts(box, z, of_q, along):
-            given |= {"q": self.q[0, self.at_q(*at) :], "a": a[0, self.place(*at) :]}
-            given |= {"Q": self.q.shape[1], "of_periods": self.of_periods[0]}
-            self.kernels.curls[2 * i + kind](n, **given)
+        source = self.q[0], self.q.shape[1], (*self.axes[:2], self.ring), self.at_q
+        along, target = ((i + 1) % 3, (i + 2) % 3), (a[3 * i], self.nodes, self.place)
+        self.run_layer(f"curl_{i}", box, z, along, source, target, self.of_periods[i])
 
     def at_q(self, x, y, z):
         """Where a node is in the ring."""

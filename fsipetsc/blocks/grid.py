@@ -72,7 +72,7 @@ class Grid(SimpleNamespace):
 
     def find_volumes(self):
         """Find det D x, after `move`."""
-        self.rows.run(self.rows.kernels.volumes, self.flat, self.volume, self.rows.P)
+        self.rows.run("volume", self.flat, self.volume, self.rows.P)
 
 
 class Flat(Grid):
@@ -84,7 +84,7 @@ class Flat(Grid):
     def edge(self, known, metrics):
         self.hull.fill(self.hull.moved, known, 0)
         self.blend.fill(self.hull.moved, self.x, self.wide, self.y)
-        self.rows.run(self.rows.kernels.metrics, self.x, metrics, self.rows.P)
+        self.rows.run("metrics", self.x, metrics, self.rows.P)
 
 
 class Cube(Grid):
@@ -137,17 +137,17 @@ class Radial(Grid):
     def edge(self, known, metrics):
         """Complete x, find A and flat, and fill a^k, A, source."""
         self.hull.fill(self.hull.moved, known, 0)
-        d, kappa, area, kernels = len(self.like), len(self.hoops), self.area, self.rows.kernels
+        d, kappa, area = len(self.like), len(self.hoops), self.area
         self.blend.fill(self.hull.moved, self.x, self.wide, self.y)
         for n in each(area.size, vector=True):
             *z, r = column(self.like, self.x, n)
             area[n] = A = abs(r) if kappa == 1 else r * r
             self.flat[:, n] = (*z, A * r / (kappa + 1.0))
-        self.every.run(kernels.metrics, self.flat, self.b, self.rows.P)
+        self.every.run("metrics", self.flat, self.b, self.rows.P)
         for n in each(area.size, vector=True):
             for k in range(d):
                 self.through[k, n] = area[n] * self.b[k * d + d - 1, n]
-        self.rows.run(kernels.divergences, self.through, self.source, self.still)
+        self.rows.run("divergence", self.through, self.source, self.still)
         for i in each(self.inner.size, vector=True):
             n = self.inner[i]
             metrics[d * d + d, i] = area[n]
@@ -166,7 +166,7 @@ class Radial(Grid):
         for n in each(area.size, vector=True):
             *v_z, v_r = column(self.like, v, n)
             self.w[:, n] = (*v_z, v_r * area[n])
-        self.rows.run(self.rows.kernels.metrics, self.w, self.turning, self.still)
+        self.rows.run("metrics", self.w, self.turning, self.still)
         for i in each(self.inner.size, vector=True):
             n = self.inner[i]
             spread = kappa * area[n] / self.x[d - 1, n] * v[d - 1, n]

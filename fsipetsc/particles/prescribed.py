@@ -71,10 +71,7 @@ class Prescribed:
         for k in {k for k, _ in first.tolist()}:
             there = first[:, 0] == k
             self._x[there] = problem.places(k, first[there, 1])
-        self.sources = [
-            Source(condition, make, self._x[who].T, who, *targets)
-            for condition, who, make, targets in self._sources_of()
-        ]
+        self.sources = [*self._sources()]
 
     def _grouped(self, name: str) -> list[tuple[Any, Array, Any]]:
         """For each condition of this name, and each law of a gas there: the condition, which
@@ -88,24 +85,26 @@ class Prescribed:
                 group[1].extend(self._row.get(p, []))
         return [(condition, np.array(who, np.int64), law) for condition, who, law in found.values()]
 
-    def _sources_of(self) -> Iterator[tuple[Any, Array, Make, tuple[Array, ...]]]:
-        """Where data come from: condition, its particles here, formula (x, t) of numbers or
-        symbols, where these go. What comes later holds.
-        """
+    def _sources(self) -> Iterator[Source]:
+        """Where data come from. What comes later holds."""
         out, laws, grouped = self.data, self._problem.gas_laws, self._grouped
+
+        def source(c: Any, who: Array, make: Make, *targets: Array) -> Source:
+            return Source(c, make, self._x[who].T, who, *targets)
+
         walls = sorted(grouped("slip") + grouped("wall"), key=lambda group: group[0].moves)
         walls += [group for group in grouped("given_gas") if group[0].moves]
         for groups, targets in (walls, out[:3]), (grouped("clamp"), out[3:6]):
             for c, who, _ in groups:
-                yield c, who, partial(motion, c, self._instant), targets
+                yield source(c, who, partial(motion, c, self._instant), *targets)
         for name, T in (("warm_gas", out.T), ("warm_solid", out.T_solid)):
             for c, who, _ in grouped(name):
                 if not c.all_given:
-                    yield c, who, lambda x, t, c=c: (positive(asked(c, "T", x, t)),), (T,)
+                    yield source(c, who, lambda x, t, c=c: (positive(asked(c, "T", x, t)),), T)
         for c, who, law in grouped("given_gas"):
-            yield c, who, partial(gas_of, c, laws[law]), (out.gas,)
+            yield source(c, who, partial(gas_of, c, laws[law]), out.gas)
         for c, who, _ in grouped("given_solid"):
-            yield c, who, partial(solid_of, c), (out.clamp, out.clamp_velocity, out.T_solid)
+            yield source(c, who, partial(solid_of, c), out.clamp, out.clamp_velocity, out.T_solid)
 
     def refresh(self, t: float) -> None:
         """Data at time t [s]. InputError."""
