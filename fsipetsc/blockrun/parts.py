@@ -227,7 +227,8 @@ class SolidPart(BlockPart):
                 nodes = self.block.face_nodes(*face) if k == self.k else np.zeros(0, int)
                 ends += [(number, row) for row in self.rows_among(nodes)]
         self.interfaces = np.array(ends, np.int64).reshape(-1, 2)
-        self.rows_of_stored, nodes, _ = system.own(self.k, stores=True)
+        members = slice(None) if system.record.stores else slice(0)
+        self.rows_of_stored, nodes, _ = (of[members] for of in system.own(self.k))
         self.stored_at = self.patch.ghosted_rows(self.rows(nodes))
         self.reads_ghosted = self.reads_ghosted or nodes.size > 0
         kernels = solid_kernels(self.laws, d, self.order, self.prestress is not None)

@@ -1,24 +1,18 @@
 """Nodes of several blocks at one place are one particle: who belongs to it, and its conditions.
 
-All nodes on faces of blocks are *members*, (block, node); members at one place are a *particle*.
-What a particle is subject to follows from the faces of its members: faces where gas meets a solid,
-and faces with a condition. A direction in which it cannot move freely is a *constraint*. With the
-area vectors n of faces, those of gas pointing out of it, a the accelerations,
+These follow from the faces of its members: faces where gas meets a solid, and faces with a
+condition. A direction in which a particle cannot move freely is a *constraint*, with the sum of the
+area vectors of its faces as normal (docs/derivation.md, Particles):
 
     SLIPS   gas slips along faces of solids, walls, or both that go on smoothly or around a convex
-            edge: sum_solids n . (a_gas - a_solid) + sum_walls n . (a_gas - a_wall) given
-    ROLLS   a solid slips along a wall: sum n . a_solid = 0
+            edge; those that meet at a concave edge are constraints of their own
+    ROLLS   a solid slips along a wall
 
 One sum for a wall and a solid that goes on from it: two normals that differ by the error of the
-differences would hold the gas in all directions. Faces that meet at a concave edge are constraints
-of their own. Sticking gas and what is clamped or given needs no normal.
-
-Where gas sticks to a solid the solid decides, and the gas there goes with it: walls of the gas
-hold the two across themselves alone, as SLIPS, and not at all where a Roller of the solid does
-that. Source: docs/derivation.md, Particles.
+differences would hold the gas in all directions. Where gas sticks to a solid the gas goes with it:
+walls of the gas hold the two across themselves alone, as SLIPS, and not at all where a Roller of
+the solid does that.
 """
-
-from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass, field
@@ -26,11 +20,10 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fsipetsc.blocks.block_problem import BlockProblem, Meeting
 from fsipetsc.blocks.conditions import Clamped
-from fsipetsc.checks import place_text
+from fsipetsc.checks import Array, place_text
 from fsipetsc.errors import InputError
 
 SLIPS, ROLLS = 0, 1
@@ -40,8 +33,6 @@ GAS, SOLID = 0, 1
 CONCAVE = -0.5
 #: rollers whose unit normals have at least this scalar product are one
 SMOOTH = 0.8
-
-Array = NDArray[Any]
 
 
 class Face(NamedTuple):
@@ -73,9 +64,8 @@ class Particle:
     """The conditions of one particle.
 
     members: (block, node), ascending. sticks: gas and solid have one velocity. shares_heat: they
-    have one temperature. one_T: several solid members have one temperature. stores: that takes an
-    elastic energy into account. constraints: SLIPS or ROLLS, and the faces of each: at walls, then
-    those of the gas at solids.
+    have one temperature. one_T: several solid members have one. stores: temperatures depend on
+    elastic energies. constraints: SLIPS or ROLLS, and the faces of each, first those at walls.
 
     faces: those whose conditions count: "wall" prescribes the velocity of the gas, "slip" that of a
     wall along which it slips, "clamp" the motion of the solid, "given_gas" and "given_solid" all
@@ -120,8 +110,8 @@ class Particle:
         return any(map(self.moved_by, ("wall", "slip", "given_gas")))
 
     def facts(self, problem: BlockProblem) -> dict[str, int]:
-        """What procedures are told of it: what is so, what is free to move, which temperatures are
-        given, and where to book mass, and energies by what moves and what heats gas and solid.
+        """What procedures are told of it. moves_…, heats_…: where the energy is booked by which
+        gas or solid are moved and heated; column: where the mass of its gas is.
         """
         faces, gases = self.faces, [k for k, b in enumerate(problem.blocks) if b.kind == "fluid"]
         given, holds = "given_solid" in faces, not faces.keys().isdisjoint(("clamp", "given_solid"))

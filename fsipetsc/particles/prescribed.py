@@ -12,16 +12,14 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fsipetsc.checks import names_of, place_text
+from fsipetsc.checks import Array, names_of, place_text
 from fsipetsc.equations.vectors import sub
 from fsipetsc.errors import InputError, place_of
 from fsipetsc.kernels.symbols import Symbol, derivatives
 from fsipetsc.particles.members import Face, Particle
 from fsipetsc.scheme.recorded_data import Make, Source, asked, positive
 
-Array = NDArray[Any]
 Instant = Callable[[], float]
 #: part of the larger one by which velocities that meet may differ; part of the velocity of a wall
 #: at rest that may point across it; part of the largest velocity by which one may differ from the

@@ -10,9 +10,9 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fsipetsc.blocks.block_problem import Meeting
+from fsipetsc.checks import Array
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.parallel.block_layout import PARTICLES_TAG, BlockLayout
 from fsipetsc.parallel.exchange import RowExchange
@@ -21,8 +21,6 @@ from fsipetsc.particles.constraints import weigh_heat
 from fsipetsc.particles.members import GAS, ROLLS, SOLID, Particle
 from fsipetsc.particles.prescribed import Instant, Prescribed
 from fsipetsc.scheme.faces import listed
-
-Array = NDArray[Any]
 
 
 class ParticleSystem:
@@ -106,15 +104,11 @@ class ParticleSystem:
         self.does = {name: code.procedure(name, *given) for name, given in takes.items()}
         return code
 
-    def own(self, k: int, stores: bool = False) -> tuple[Array, Array, Array]:
-        """This rank's members of block k, or those whose elastic energy is wanted: their rows in
-        the tables, nodes, ascending, and particles here.
-        """
+    def own(self, k: int) -> tuple[Array, Array, Array]:
+        """This rank's members of block k: rows in the tables, nodes, ascending, particles here."""
         rows = self._mine[self._members[self._mine, 0] == k]
         rows = rows[np.argsort(self._members[rows, 1])]
-        particle = self._number[rows]
-        wanted = np.array([self._particles[p].stores or not stores for p in particle], bool)
-        return rows[wanted], self._members[rows[wanted], 1], particle[wanted]
+        return rows, self._members[rows, 1], self._number[rows]
 
     def _of_members(self, inertia: dict[int, Array]) -> dict[str, Array]:
         """What the record has of members: GAS or SOLID, specific heat; of those of this rank the
