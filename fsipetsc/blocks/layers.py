@@ -33,13 +33,15 @@ class Layer:
         name: name of its block, or the beginning of the names of its blocks.
         material: a `Fluid` or an `ElasticSolid`.
         across: (low, high) along the last axis [m].
-        initial, forcing, exact: as of `Block`.
+        initial: as of `Block`.
         cells: number of cells across it; None: by the h of `layers`.
         span: (low, high) [m] for each axis along the layers, None for one that it reaches over all
             of; None: it reaches over all of them.
         sides: what stands at its sides: a condition, or (axis, side) -> condition; None: those of
             `layers`.
         beside: condition of its lower or upper face where the layer there has ended.
+        forcing: as of `Block`.
+        exact: as of `Block`.
     """
 
     name: str
