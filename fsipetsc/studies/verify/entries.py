@@ -288,19 +288,10 @@ def beam(trial: Trial) -> None:
         trial.compare(f"{ends}, d = {d:g}", found, known, *expected)
 
 
-#: density, speeds of P and S waves [SI]
-METALS = {
-    "steel": (7850.0, 5900.0, 3200.0),
-    "aluminium": (2700.0, 6320.0, 3130.0),
-    "tungsten": (19250.0, 5220.0, 2890.0),
-}
-
-
-def metal(name: str, pressure: float = 0.0) -> ElasticSolid:
-    """An elastic solid, free of stress under a pressure [Pa]."""
-    density, cp, cs = METALS[name]
-    mu = density * cs**2
-    lame = density * cp**2 - 2.0 * mu
+def metal(density: float, fast: float, slow: float, pressure: float = 0.0) -> ElasticSolid:
+    """An elastic solid of these speeds of P and S waves, free of stress under a pressure [SI]."""
+    mu = density * slow**2
+    lame = density * fast**2 - 2.0 * mu
     return ElasticSolid(mu, lame, 0.0, density, 1000.0, p_ref=pressure, heat="elastic")
 
 
@@ -311,15 +302,17 @@ def normal_modes(trial: Trial) -> None:
     T = (p + p_inf) / ((gamma - 1.0) * cv * rho)
     water = Fluid(0.0, 0.0, gamma, (gamma - 1.0) * cv, law=stiffened_gas(gamma, cv, p_inf))
     fluid, solid = constant(rho, 0.0, 0.0, T), at_rest(T)
+    steel, aluminium = metal(7850.0, 5900.0, 3200.0, p), (2700.0, 6320.0, 3130.0)
+    above, tungsten = metal(*aluminium), metal(19250.0, 5220.0, 2890.0)
     for name, lid, upper, start, lower in (
-        ("water over steel", Slip(), water, fluid, metal("steel", p)),
-        ("water over aluminium", Slip(), water, fluid, metal("aluminium", p)),
-        ("tungsten under aluminium", Clamped(), metal("aluminium"), solid, metal("tungsten")),
+        ("water over steel", Slip(), water, fluid, steel),
+        ("water over aluminium", Slip(), water, fluid, metal(*aluminium, p)),
+        ("tungsten under aluminium", Clamped(), above, solid, tungsten),
     ):
         below = Layer("lower", lower, (-1.0, 0.0), solid, cells=n)
-        above = Layer("upper", upper, (0.0, 1.0), start, cells=n)
+        top = Layer("upper", upper, (0.0, 1.0), start, cells=n)
         along = {"along": ((0.0, 1.0),), "cells": (n,)}
-        problem = layers(below, above, lower=Clamped(), upper=lid, **along)
+        problem = layers(below, top, lower=Clamped(), upper=lid, **along)
         with BlockState(MPI.COMM_SELF, problem, trial.order) as state:
             found = column_modes(state, 0, 1)[0]
         known = complex(table[f"{name} real"][0], table[f"{name} imag"][0])
