@@ -3,7 +3,7 @@ nodes and their data, for fsipetsc.scheme.faces.
 """
 
 import inspect
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from itertools import accumulate, pairwise
 from types import SimpleNamespace
@@ -207,6 +207,13 @@ class BlockPart(Part):
                 raise InputError(f"{where} at {place_text(X[n])}: expected {wanted}")
 
     # what is recorded
+
+    def kernels_of(self, make: Callable[..., Any], *given: Any) -> Any:
+        """The kernels that make(laws, d, *given) returns, once for all blocks of a material."""
+        known, key = self.layout.kernels, (id(self.block.material), *given)
+        if key not in known:
+            known[key] = make(self.laws, self.d, *given)
+        return known[key]
 
     @property
     def inner(self) -> list[tuple[int, int]]:

@@ -97,7 +97,7 @@ class GasPart(BlockPart):
         self.column = [block.kind for block in self.problem.blocks[: self.k]].count("fluid")
         self.columns.mass += self.column
         near = self.order // 2, max(band.reach for band in self.bands)
-        made = gas_kernels(self.laws, self.d, self.form, self.viscous, self.moves, near)
+        made = self.kernels_of(gas_kernels, self.form, self.viscous, self.moves, near)
         self.volume = GasSweep(self.laws, self.d, made, self.bands, self.patch)
         potential = self.volume.potential
         potential[:] = -dot(self.laws.force, self.X)[: potential.size]
@@ -231,7 +231,7 @@ class SolidPart(BlockPart):
         self.rows_of_stored, nodes, _ = (of[members] for of in system.own(self.k))
         self.stored_at = self.patch.ghosted_rows(self.rows(nodes))
         self.reads_ghosted = self.reads_ghosted or nodes.size > 0
-        kernels = solid_kernels(self.laws, d, self.order, self.prestress is not None)
+        kernels = self.kernels_of(solid_kernels, self.order, self.prestress is not None)
         self.volume = SolidSweep(self.laws, d, kernels, self.bands, self.patch)
         self.room = np.zeros((MONITORED + len(vars(self.columns)), self.patch.own[0]))
         return images, normals, *OF_SOLID

@@ -72,7 +72,7 @@ class BlockLayout:
 
     shares: of each block, known to all ranks. parts: of this rank, by block, in their order.
     halos: the exchange that fills what their ghosted arrays have beside the nodes that it owns.
-    local_size: of this rank's part of the world vector.
+    local_size: of this rank's part of the world vector. kernels: those of materials, once made.
     InputError where a block has too few nodes for the operator, or there are too many ranks.
     """
 
@@ -80,6 +80,7 @@ class BlockLayout:
         self, comm: MPI.Comm, problem: Any, order: int, shocks: bool, partition: str, auxiliary: int
     ) -> None:
         self.comm, self.problem, self.order = comm, problem, order
+        self.kernels = dict[Any, Any]()
         d, blocks = problem.dimension, problem.blocks
         self.shapes = [tuple(map(int, block.shape)) for block in blocks]
         self.dofs = [d + 3 if block.kind == "fluid" else 2 * d + 1 for block in blocks]

@@ -30,7 +30,7 @@ from fsipetsc.kernels.loops import each, when
 from fsipetsc.operators.bands import Patch
 from fsipetsc.operators.slopes import Near, slope
 from fsipetsc.scheme.gas_terms import Form
-from fsipetsc.scheme.sweep import Sweep, ends_of, in_order, kept, order
+from fsipetsc.scheme.sweep import Sweep, ends_of, in_order, order
 
 #: most nodes of a tile along the first axis, and most rows, for d = 1, 2, 3
 TILES = ((232, 1), (136, 1), (72, 8))
@@ -156,7 +156,6 @@ class GasSweep(Sweep):
         self.store(x, n, y, z)
 
 
-@kept
 def gas_kernels(
     gas: Any, d: int, form: Form, viscous: bool, moves: bool, near: Near
 ) -> SimpleNamespace:

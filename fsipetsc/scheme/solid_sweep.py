@@ -24,7 +24,7 @@ from fsipetsc.kernels.kernel import OWNED, PLANES, ROWS, Kernel
 from fsipetsc.operators.bands import Patch
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.operators.slopes import Near, slope
-from fsipetsc.scheme.sweep import Sweep, ends_of, in_order, kept, order
+from fsipetsc.scheme.sweep import Sweep, ends_of, in_order, order
 
 #: most nodes of a tile along the first axis, and most rows, for d = 1, 2, 3
 TILES = ((1024, 1), (128, 1), (64, 32))
@@ -71,7 +71,6 @@ class SolidSweep(Sweep):
         self.store(x, n, y, z)
 
 
-@kept
 def solid_kernels(solid: Any, d: int, order: int, prestressed: bool) -> SimpleNamespace:
     """All kernels of a solid in d dimensions; order: of the operators. strains, pulls, rates:
     those of any nodes, and of those inside of a block. conduct: one, or none without conduction.

@@ -20,9 +20,7 @@ With the other nodes, whose stages conditions may change, ``advance`` of
 fsipetsc.scheme.plan does the same after all is added, with such a sum.
 """
 
-import sys
-from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
+from collections.abc import Mapping, Sequence
 from itertools import product
 from types import SimpleNamespace
 from typing import Any
@@ -56,23 +54,6 @@ def ends_of(dof: int) -> tuple[Kernel, ...]:
             new = along(along(y, 1.0 / 3.0, change), kernel.number("a"), k)
         kernel.store("out", OWNED, new)
     return kernels
-
-
-def kept(make: Callable[..., Any]) -> Callable[..., Any]:
-    """Let a function that makes kernels make those of the same laws once. What a case brings may
-    change from run to run, and its kernels are made anew.
-    """
-    known = lru_cache(32)(lambda said, *given: make(*given))  # said: 1 is another text than 1.0
-    return lambda *given: known(repr(given), *given) if _is_ours(given) else make(*given)
-
-
-def _is_ours(value: Any) -> bool:
-    """Whether laws are numbers and tuples of classes that stand in the package."""
-    kind = type(value)
-    if not kind.__module__.startswith(("builtins", "fsipetsc.")):
-        return False
-    stands = vars(sys.modules[kind.__module__]).get(kind.__name__) is kind
-    return stands and (not isinstance(value, tuple) or all(map(_is_ours, value)))
 
 
 def order(S: Any, ranges: Sequence[tuple[int, int]]) -> NDArray[np.int64]:
