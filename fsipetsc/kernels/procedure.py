@@ -114,7 +114,6 @@ class Procedure(Called):
                 f"/* {says.strip().partition(chr(10))[0]} */",
                 f"struct {self.name}_in {{",
                 *(f"  {kind} {name};" for name, kind in kinds.items()),
-                *["  long nothing;"] * (not kinds),
                 "};",
                 f"void {self.name}(const struct {self.name}_in *s, double *{y}, double *{f}) {{",
                 *(f"  {kind} const {name} = s->{name};" for name, kind in kinds.items()),

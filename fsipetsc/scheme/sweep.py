@@ -37,12 +37,12 @@ from fsipetsc.operators.slopes import axis_of, kinds, parts
 
 #: what is stored: k, the next stage, the solution
 RATES, STAGE, LAST = range(3)
-KINDS = "rates", "stage", "solution"
+SAYS = "The rates.", "The next stage, from rates.", "The next solution, from rates."
 
 
 def ends_of(dof: int) -> tuple[Kernel, ...]:
     """The kernels, by kind, that store what becomes of the rates k of a row."""
-    kernels = tuple(Kernel(f"store_{kind}", f"From rates: {kind}.") for kind in KINDS)
+    kernels = tuple(Kernel(f"store_{kind}", says) for kind, says in enumerate(SAYS))
     for kind, kernel in enumerate(kernels):
         new = k = kernel.read("k", ROWS, dof)
         if kind == STAGE:
