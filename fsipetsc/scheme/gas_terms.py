@@ -123,9 +123,7 @@ def add_force(part, q, ghosted, rates, gain):
             for c in range(d):
                 power = power + force[c] * u[c]
         else:
-            force, power = scale(q[i, 1], b), 0.0
-            for c in range(d):
-                power = power + b[c] * q[i, 2 + c]
+            force, power = scale(q[i, 1], b), dot(b, row(b, q, i, 2))
         for c, value in enumerate((*force, power), 2):
             rates[i, c] += value
         return *force, power
