@@ -196,14 +196,10 @@ PASSED_ON = {
     "ts_monitor": "print every step: number, dt, t",
     "ts_view": "print PETSc's method when it ends; with -ts_type rk, ssp or euler",
     "log_view": "print PETSc's log at the end; :FILE writes it",
-    "memory_view": "print the memory that was used, at the end",
-    "info": "print what PETSc does",
-    "malloc_debug": "check the memory that PETSc allocates",
-    "malloc_dump": "list memory of PETSc's that was not freed, at the end",
     "options_left": "list options that PETSc did not use, at the end",
 }
-#: those of its time integrator; those that it follows when it starts or ends
-IN_LOOP, AT_START = ("ts_monitor", "ts_view"), tuple(PASSED_ON)[4:]
+#: those of its time integrator; those that it follows when it ends
+IN_LOOP, AT_END = ("ts_monitor", "ts_view"), tuple(PASSED_ON)[4:]
 
 
 def groups(

@@ -1,6 +1,6 @@
 """What the states of both methods have in common: steps, checkpoints, errors."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -54,9 +54,11 @@ class State:
     #: a step that leaves an unphysical state is made anew in up to so many parts
     MOST_PARTS = 1
 
-    def _take_calls(self, library: Any, planning: Procedure) -> None:
-        """Make the list of calls of a step, the last one of which, `plan_next`, plans the next."""
-        self._library, self.planning = library, planning
+    def _take_calls(self, library: Any, planning: Procedure, exchanges: Sequence[Any]) -> None:
+        """Load exchanges; list the calls of a step, of which `plan_next` plans the next one."""
+        self._library, self.planning, self._exchanges = library, planning, exchanges
+        for exchange in exchanges:
+            exchange.load(library)
         self._made: dict[Any, Calls] = {}
         names = "data", "fulfil", "advance"
         calls = [one for n in range(STAGES) for name in names for one in self.phase(name, n)]
@@ -225,6 +227,11 @@ class State:
         together_here = isinstance(error, FsiError) and error.collective
         if error is None or self.comm.size == 1 or together_here:
             self.destroy()
+
+    def destroy(self) -> None:
+        for exchange in self._exchanges:
+            exchange.destroy()
+        self.solution.destroy()
 
 
 def whole(comm: MPI.Comm, numbers: np.ndarray, values: np.ndarray) -> np.ndarray | None:

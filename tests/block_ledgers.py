@@ -4,7 +4,7 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc import Block, BlockProblem, Fluid
-from fsipetsc.blockrun.block_state import BlockForm, BlockState
+from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blockrun.saved import gained
 from fsipetsc.blocks.conditions import Roller, Slip
 from fsipetsc.blocks.maps import nodes, rectangle
@@ -24,8 +24,8 @@ class Steps(BlockState):
 
     apart: each stage is a call of its own, as where data depend on time."""
 
-    def __init__(self, problem, order=2, form=BlockForm(), apart=False):  # noqa: B008
-        super().__init__(MPI.COMM_SELF, problem, order, form)
+    def __init__(self, problem, order=2, apart=False, **options):
+        super().__init__(MPI.COMM_SELF, problem, {"fsi_order": order, **options})
         self.asked |= apart
         self.t, self._at = 0.0, gained(problem)
         self.came = np.zeros(self.layout.auxiliary)

@@ -9,7 +9,7 @@ from mpi4py import MPI
 from oracle_formulas import rate_of, spread
 
 from fsipetsc import Block, BlockProblem, Fluid
-from fsipetsc.blockrun.block_state import BlockForm, BlockState
+from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blocks import conditions
 from fsipetsc.blocks.maps import nodes
 from fsipetsc.materials.own import transport_law
@@ -78,8 +78,9 @@ class Engine:
         self.shapes = [b.X.shape[1:] for b in p.blocks]
         self.problem = BlockProblem(tuple(map(block_of, p.blocks)), faces, **options)
         # dissipation 0: on where blocks are joined
-        form = BlockForm(p.form, p.dissipation / 0.3 or -1.0, p.shock)
-        self.state = BlockState(MPI.COMM_SELF, self.problem, p.order, form)
+        opt = {"fsi_order": p.order, "fsi_convection": p.form, "fsi_shock": p.shock}
+        opt["fsi_dissipation"] = p.dissipation / 0.3 or -1.0
+        self.state = BlockState(MPI.COMM_SELF, self.problem, opt)
         self.y, self.f = self.state.y, np.zeros_like(self.state.y)
 
     def _get(self, vector):

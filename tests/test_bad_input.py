@@ -7,7 +7,6 @@ import fsipetsc
 from fsipetsc.output.file_layout import write_checkpoint
 
 FILES = {
-    "log.opts": "-log_view\n",
     "bad.opts": "-fsi_h 0.1\nfsi_order 6\n",
     "mine.py": "precious",
     "text.h5": "a text, longer than the signature of HDF5",
@@ -34,7 +33,6 @@ LINES = [
     ("box -fsi_output_times 7", 2, ": 7 would not be reached…-ts_max_time 2"),
     ("rod -snes_type 2.0", 2, "unknown option -snes_type"),
     ("rod -options_file bad.opts", 2, "bad.opts line 2"),
-    ("rod -options_file log.opts", 2, "-log_view works from the start of PETSc"),
     ("rod -options_file no.opts", 4, "no.opts"),
     ("modes panel -panel_mach 0.9", 2, "a number above 1"),
     # grids, methods, ranks

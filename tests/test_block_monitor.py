@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 from block_ledgers import CLOSED, N, Steps, complete, gas, problem_of, rates, solid
 
-from fsipetsc.blockrun.block_state import BlockForm
 from fsipetsc.blocks.conditions import Free
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme import plan
@@ -43,7 +42,7 @@ def bounds_of(run, k):
 
 @pytest.mark.parametrize("shock", [0.0, 2.0])
 def test_what_bounds_a_step(shock):
-    with Steps(warped(0.02), form=BlockForm(shock=shock)) as run:
+    with Steps(warped(0.02), fsi_shock=shock) as run:
         run.step(2e-3, 2)
         expected = np.array([bounds_of(run, k) for k in range(2)]) * [shock or 1.0, 1.0]
         np.testing.assert_allclose(run.bounds, expected, rtol=1e-12)
@@ -103,7 +102,7 @@ def test_what_steps_lose_falls_with_their_order():
 
 def test_a_bad_state_leaves_nothing_behind(viscosity=0.02):
     """After a step that fails, rates have the bits that they had before."""
-    with Steps(warped(viscosity), form=BlockForm(dissipation=1.0, shock=1.0)) as run:
+    with Steps(warped(viscosity), fsi_dissipation=1.0, fsi_shock=1.0) as run:
         good, found = run.y.copy(), np.zeros((3, run.y.size))
         for k, f in enumerate(found):
             run.y[:] = good

@@ -7,7 +7,6 @@ from block_ledgers import Steps, problem_of
 from oracle_engine import Engine
 from oracle_formulas import Gas, spread
 
-from fsipetsc.blockrun.block_state import BlockForm
 from fsipetsc.blocks.conditions import Slip
 from fsipetsc.materials.fluid import Fluid
 
@@ -81,7 +80,7 @@ def test_ledgers(convection):
     shape = flat.shapes.warped(flat.shapes.boxes(7, (0.0, 1.0, 2.0), (0.0, 1.0), None))
     gas = Fluid(0.0, 0.0, 1.4, 1.0, force=FORCES[2])
     problem = problem_of(shape, {"gas": Slip()}, gas, None)
-    with Steps(problem, form=BlockForm(convection, 1.0, 1.0)) as run:
+    with Steps(problem, fsi_convection=convection, fsi_dissipation=1.0, fsi_shock=1.0) as run:
         before = run.latest.copy()
         run.step(2e-2, 10)
         after, work = run.latest, run.of_faces("force_work")[0]

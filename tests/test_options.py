@@ -47,7 +47,7 @@ def test_options_of_petsc_are_accepted(read):
     from petsc4py import PETSc
 
     database = PETSc.Options()
-    read("-ts_monitor -malloc_debug no")
+    read("-ts_monitor -options_left no")
     assert database.hasName("ts_monitor")
     assert read("-ts_ssp_type rks3")["ts_type"] == "ssp"
     assert not database.hasName("ts_monitor"), "an option of an earlier run"

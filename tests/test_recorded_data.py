@@ -21,7 +21,7 @@ USUAL = {option.name: option.default for option in timed.OPTIONS} | timed.DEFAUL
 
 
 def state_of(problem):
-    return BlockState(MPI.COMM_SELF, problem, 2)
+    return BlockState(MPI.COMM_SELF, problem, {"fsi_order": 2})
 
 
 def at_wall(x, velocity=None, T=None):

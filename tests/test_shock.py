@@ -8,7 +8,6 @@ from block_ledgers import Steps, slab
 from helpers import assert_same_fields, compute, computed, kept
 
 from fsipetsc import Fluid
-from fsipetsc.blockrun.block_state import BlockForm
 from fsipetsc.blocks.conditions import Slip
 from fsipetsc.cases import load_case
 from fsipetsc.options import defaults
@@ -18,6 +17,7 @@ CASE = load_case("shock")
 AIR, WALLS = Fluid(0.0, 0.0, 1.4, 1.0), (Slip(), Slip())
 ORDERS, SPACINGS = (4, 8), (0.02, 0.01, 0.005)
 #: problem -> end, before a wave comes to one of the problem's own
+SHARP = {"fsi_dissipation": 1.0, "fsi_shock": 1.0}
 PROBLEMS = {"sod": 0.3, "strong": 0.2}
 #: mass, momentum less the impulse and energy less the work of piston and load are kept
 _OFTEN = "-fsi_output_dt 0.05 -shock_problem"
@@ -68,7 +68,7 @@ def test_errors_in_L1_are_of_order_1_and_nothing_overshoots(results, name, order
 def test_a_strong_shock_lives(order):
     """A pressure ratio of 1000 onto a wall, 51 nodes: positive, mass and energy to round-off."""
     start = lambda X: [1 + 0 * X, 0 * X, np.where(X < 0.75, 1000.0, 1.0)]  # noqa: E731
-    with Steps(slab(AIR, start, WALLS, 50), order, BlockForm(dissipation=1.0, shock=1.0)) as run:
+    with Steps(slab(AIR, start, WALLS, 50), order, **SHARP) as run:
         before = run.integrals()
         run.step(0.4 / 50 / 60, 120)
         rho, _, _, p = run.saved(0)[:, :4].T
@@ -83,7 +83,7 @@ def test_cold_gas_falls_on_a_wall(mach, order):
     p0, n = 1e-2, 100
     U = mach * np.sqrt(1.4 * p0)
     cold = lambda X: [1 + 0 * X, -U * np.minimum(1, 2 - 2 * X), p0 + 0 * X]  # noqa: E731
-    with Steps(slab(AIR, cold, WALLS, n), order, BlockForm(dissipation=1.0, shock=1.0)) as run:
+    with Steps(slab(AIR, cold, WALLS, n), order, **SHARP) as run:
         before = run.integrals()
         run.step(0.4 / n / U, 100)
         rho, _, _, p = run.saved(0)[:, :4].T

@@ -71,7 +71,8 @@ def test_energy_holds_everywhere(tmp_path):
 def test_modes_whose_frequencies_have_the_product_s_squared():
     """Gas between walls; they have one value in what is searched. What rests is no mode."""
     start = lambda X: [1 + 0 * X, 0 * X, 1 / 1.4 + 0 * X]  # noqa: E731
-    with BlockState(MPI.COMM_SELF, slab(AIR, start, (Slip(), Slip()), 20), 4) as state:
+    problem = slab(AIR, start, (Slip(), Slip()), 20)
+    with BlockState(MPI.COMM_SELF, problem, {"fsi_order": 4}) as state:
         found = np.sort(np.abs(modes_near(state, -4.441977417808851j, 60)))
     assert len(found) == 38
     assert found[:6:2] == pytest.approx([3.14151393417, 4.91619799627, 6.28078174848], rel=1e-10)
@@ -97,7 +98,7 @@ def stack(gas, solid, n, columns, depth=1.0, length=1.0):
 
 def modes_of(problem, order):
     """Eigenvalues of what has one wave along the layers."""
-    with BlockState(MPI.COMM_SELF, problem, order) as state:
+    with BlockState(MPI.COMM_SELF, problem, {"fsi_order": order}) as state:
         return column_modes(state, 0, 1)[0]
 
 

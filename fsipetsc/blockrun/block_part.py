@@ -3,7 +3,7 @@ nodes and their data, for fsipetsc.scheme.faces.
 """
 
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from itertools import accumulate, pairwise
 from types import SimpleNamespace
@@ -23,7 +23,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import aligned
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.kernels.symbols import Symbol, numbers_of
-from fsipetsc.parallel.block_layout import BlockLayout, Part
+from fsipetsc.parallel.block_layout import Part
 from fsipetsc.scheme.faces import Faces, load_face, pass_face
 from fsipetsc.scheme.recorded_data import Source, asked, positive
 from fsipetsc.scheme.sweep import in_order
@@ -38,15 +38,19 @@ class BlockPart(Part):
 
     X: (d, ghosted nodes) places in the reference map. owned, H: (M,) rows in the ghosted array of
     the nodes that the rank owns, and their H. faces: those with a condition, or with jumps, None
-    without any. terms: what adds to rates. sources: of data that may depend on time. at_particles:
-    faces at constraints, known once there are particles. added: whether something adds to the rates
-    of nodes within the block, after its sweep. reads_ghosted: whether something but sweeps reads
-    the ghosted array. names: of what is saved of a node. does: name -> procedure.
+    without any. terms: what adds to rates. sources: of data that may depend on time. added: whether
+    something adds to the rates of nodes within the block, after its sweep. reads_ghosted: whether
+    something but sweeps reads the ghosted array. names: of what is saved of a node. code, does: the
+    recorded procedures, also by their names.
+
+    about: problem and order; opt: options in force; system: of particles; columns: name -> where a
+    series begins in the record of a step; found: see fsipetsc.scheme.plan.
+    InputError, perhaps on this rank alone.
     """
 
-    def __init__(self, layout: BlockLayout, part: Part, order: int) -> None:
+    def __init__(self, part: Part, about: SimpleNamespace) -> None:
         super().__init__(**vars(part))
-        self.layout, self.problem, self.order = layout, layout.problem, order
+        self.about, self.problem, self.order = about, about.problem, about.order
         self.block = block = self.problem.blocks[part.k]
         self.d = d = block.dimension
         self.laws = block.material.equations(d, self.problem.symmetry)
@@ -73,6 +77,8 @@ class BlockPart(Part):
         self.axes = np.array([reaches, sizes, np.cumprod([1, *sizes[:2]])]).T.copy()
         self.like, self.per_h = (0.0,) * d, np.array(block.cells, float)
         self.loses = self.problem.loses(part.k)
+        self.columns = SimpleNamespace(**about.columns)
+        self.at_particles = about.system.faces_at(part.k)
 
     def add_sources(self, add_force: Any, supply: Any) -> None:
         """Let these functions add a constant force and forcing to rates, if there are any."""
@@ -95,15 +101,14 @@ class BlockPart(Part):
         acting = sorted(_acting(problem, self.k), key=lambda face: [*sizes].index(face[3]))
         if not acting:  # on all ranks of the block, for these record the same
             return
-        listed = [self.nodes_of(axis, side) for axis, side, *_ in acting]
-        for (*_, effect), of in zip(acting, listed, strict=True):
-            sizes[effect] += of["own"].size
+        nodes, counts = self.nodes_of([face[:2] for face in acting])
+        for (*_, effect), count in zip(acting, counts, strict=True):
+            sizes[effect] += count
         begins = accumulate(sizes.values(), initial=0)
         groups = [
             SimpleNamespace(effect=effect, begin=begin, nodes=size)
             for (effect, size), begin in zip(sizes.items(), begins)
         ]
-        nodes = {name: np.concatenate([of[name] for of in listed]) for name in listed[0]}
         n = nodes["own"].size
         pressure, heat, more = np.zeros((3, n))
         if gas:
@@ -113,7 +118,7 @@ class BlockPart(Part):
             own = {"traction": traction, "normal": normal, "stress": more, "add_node": load_face}
         given = {**nodes, **own, "pressure": pressure, "heat": heat}
         self.faces, turned = Faces(**given, groups=tuple(groups), turned=()), []
-        ends = accumulate((of["own"].size for of in listed), initial=0)
+        ends = accumulate(counts, initial=0)
         for (axis, side, condition, effect), pair in zip(acting, pairwise(ends), strict=True):
             where = slice(*pair)
             if d == 3 and not gas:
@@ -130,21 +135,23 @@ class BlockPart(Part):
                 self.faces.width[where] = np.linalg.norm(high - low, axis=0).mean()
         self.faces.turned = tuple(turned)
 
-    def nodes_of(self, axis: int, side: int) -> dict[str, Array]:
-        """What fsipetsc.scheme.faces takes of this rank's nodes of a face, without data."""
-        own = self.rows_among(self.block.face_nodes(axis, side))
-        at, ones = self.patch.ghosted_rows(own), np.ones(own.size)
-        last = self.patch.first[axis] + (self.patch.own[axis] - 1 if side else 0)
-        weight = float(self.bands[axis].weight[last])
-        return {
-            "at": at,
-            "own": own,
-            "axis": np.full(own.size, axis),
-            "sign": ones if side else -ones,
-            "per_weight": ones / weight,
-            "across": self.weights(at) / weight,
-            "column": np.full(own.size, self.problem.column((self.k, axis, side))),
-        }
+    def nodes_of(self, faces: Sequence[tuple[int, int]]) -> tuple[dict[str, Array], list[int]]:
+        """What fsipetsc.scheme.faces takes of this rank's nodes of faces (axis, side), without
+        data, and how many each has.
+        """
+        rows, own = [], [self.rows_among(self.block.face_nodes(*face)) for face in faces]
+        for axis, side in faces:
+            last = self.patch.first[axis] + (self.patch.own[axis] - 1 if side else 0)
+            weight = float(self.bands[axis].weight[last])
+            column = self.problem.column((self.k, axis, side))
+            rows.append((axis, 1.0 if side else -1.0, weight, column))
+        of_all, counts = np.concatenate([np.zeros(0, int), *own]), [nodes.size for nodes in own]
+        of_faces = np.array(rows).reshape(-1, 4).T
+        axes, sign, weights, columns = np.repeat(of_faces, counts, axis=1)
+        at = self.patch.ghosted_rows(of_all)
+        found = {"at": at, "own": of_all, "axis": axes.astype(int), "sign": sign}
+        found |= {"per_weight": 1.0 / weights, "across": self.weights(at) / weights}
+        return {**found, "column": columns.astype(int)}, counts
 
     def _take(self, condition: Any, X: Array, at: slice) -> None:
         """Take the data of a face, with nodes here or without.
@@ -210,7 +217,7 @@ class BlockPart(Part):
 
     def kernels_of(self, make: Callable[..., Any], *given: Any) -> Any:
         """The kernels that make(laws, d, *given) returns, once for all blocks of a material."""
-        known, key = self.layout.kernels, (id(self.block.material), *given)
+        known, key = self.about.layout.kernels, (id(self.block.material), *given)
         if key not in known:
             known[key] = make(self.laws, self.d, *given)
         return known[key]
@@ -227,21 +234,14 @@ class BlockPart(Part):
             found.append((begin, max(begin, end)))
         return found
 
-    def record(self, system: Any, found: Any, begins: Mapping[str, int]) -> Code:
-        """Record the procedures of this part. InputError, perhaps on this rank alone.
-
-        system: of particles; found: see fsipetsc.scheme.plan; begins: name -> where a series
-        begins in the record of a step. A subclass has _prepare(system), which makes what procedures
-        take beside, and returns the procedures.
-        """
-        self.columns, self.free = SimpleNamespace(**begins), in_order(self.inner, self.d)
-        functions, self.does = self._prepare(system), dict[str, Procedure]()
-        code = Code(f"#define ROW {self.volume.width}\n")
-        takes = {"particles": system.record, "gain": found.gain, "found": found}
+    def _record(self, functions: Sequence[Any]) -> None:
+        """Record procedures."""
+        self.free, found = in_order(self.inner, self.d), self.about.found
+        self.code, self.does = Code(f"#define ROW {self.volume.width}\n"), dict[str, Procedure]()
+        takes = {"particles": self.about.system.record, "gain": found.gain, "found": found}
         for f in functions:  # they take what their parameters name
             beside = [takes[p] for p in inspect.signature(f).parameters if p in takes]
-            self.does[f.__name__] = code.procedure(f"part_{f.__name__}", f, self, *beside)
-        return code
+            self.does[f.__name__] = self.code.procedure(f"part_{f.__name__}", f, self, *beside)
 
 
 def _left_out(problem: Any, k: int) -> float:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -33,26 +33,34 @@ from fsipetsc.state import State
 #: number of -1.6 at Courant number 0.8, of 2.785 that the classical method bears; next to the ends
 #: of 8/4 more
 PACE_AT_SHOCKS = {2: 1.0, 4: 1.0, 6: 1.0, 8: 4.0 / 3.0}
-
-
-class BlockForm(NamedTuple):
-    """convection: "auto", "entropy" or "divergence"; dissipation, shock: times the usual size."""
-
-    convection: str = "auto"
-    dissipation: float = 0.0
-    shock: float = 0.0
+#: options that a state on blocks may have -> what it takes
+HAS = {
+    "fsi_coupling": ("conservative",),
+    "fsi_mapping": ("auto", "stretched"),
+    "fsi_viscous": ("wide",),
+}
+#: options that it follows, beside the order
+USUAL = {
+    **{name: values[0] for name, values in HAS.items()},
+    "fsi_convection": "auto",
+    "fsi_dissipation": 0.0,
+    "fsi_shock": 0.0,
+    "fsi_partition": "auto",
+    "fsi_probes": None,
+}
 
 
 class BlockState(State):
     """A run's solution on blocks. Making one is collective on ``comm``. InputError where blocks,
-    order and ranks do not fit.
+    options and ranks do not fit.
 
-    recorded: nodes to be recorded at each step, which have a name and X. announce: called on rank
-    0, with a message, before and after kernels are compiled.
+    opt: fsi_order, and options that are not USUAL. announce: called on rank 0, with a message,
+    before and after kernels are compiled.
 
-    y: this rank's part of the solution. bounds: (blocks, 2), largest rates of convection and
-    diffusion [1/s]; h: size of the smallest cells [m]. asked: some data depend on time, and not all
-    of these are recorded, so that Python is asked for them; not_recorded: why, on this rank.
+    y: this rank's part of the solution. recorded: nodes that are recorded at each step. bounds:
+    (blocks, 2), largest rates of convection and diffusion [1/s]; h: size of the smallest cells [m].
+    asked: some data depend on time, and not all of these are recorded, so that Python is asked for
+    them; not_recorded: why.
     """
 
     MOST_PARTS = 16
@@ -62,73 +70,77 @@ class BlockState(State):
         self,
         comm: MPI.Comm,
         problem: BlockProblem,
-        order: int,
-        form: BlockForm = BlockForm(),  # noqa: B008
-        partition: str = "auto",
-        recorded: Sequence[saved.Probe] = (),
+        opt: Mapping[str, Any],
         announce: Callable[[str], None] = lambda text: None,
     ) -> None:
+        opt = {**USUAL, **opt}
+        for name, values in HAS.items():
+            if opt[name] not in values:
+                blocks = "this case is made of blocks, as is any with -fsi_coupling conservative"
+                expected = f"expected {' or '.join(values)}"
+                raise InputError(f"-{name} {opt[name]}: {blocks}: {expected}")
+        order, shock = opt["fsi_order"], opt["fsi_shock"]
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
-        self.h, self.recorded = problem.spacing, recorded
+        self.h, self.recorded = problem.spacing, saved.chosen(problem, opt["fsi_probes"])
         gain = saved.gain_of(problem)
-        of_layout = order, form.shock > 0.0, partition, gain.numbers.size
+        of_layout = order, shock > 0.0, opt["fsi_partition"], gain.numbers.size
         self.layout = layout = BlockLayout(comm, problem, *of_layout)
         self.shapes = layout.shapes
         self._now = [zeros(layout.local_size) for _ in range(STAGES)]  # the solution, and stages
         self.y = self._shown = self._now[0]
         size = (layout.local_size, None)
         self.solution = PETSc.Vec().createWithArray(self.y, size=size, comm=comm)
-        self._lay_journal(saved.step_record(problem, len(recorded)))
+        self._lay_journal(saved.step_record(problem, len(self.recorded)))
         self.changing = self.y, self.results, self.batch
         self.bounds = np.zeros((len(problem.blocks), 2))
-        kinds = {"fluid": GasPart, "solid": SolidPart}
-
-        def make() -> dict[int, Any]:
-            of = layout.parts.items()
-            return {k: kinds[problem.blocks[k].kind](layout, part, order, form) for k, part in of}
-
-        self.parts = together(comm, make)  # a grid or a prestress may be wrong on some ranks
-        self._gases = [part for part in self.parts.values() if part.block.kind == "fluid"]
-        particles = particles_of(problem)
-        inertia = {k: of.inertia for k, of in self.parts.items() if of.block.kind == "solid"}
-        self.particles = ParticleSystem(layout, particles, inertia, self._instant)
-        for k, part in self.parts.items():
-            part.at_particles = self.particles.faces_at(k)
-        for gas in self._gases:
-            gas.follow(particles, self.particles)
-        self._compile(gain, max(1.0, form.shock * PACE_AT_SHOCKS[order]), announce)
-        self._noted = [
-            (number, node, row)
-            for number, node in enumerate(recorded)
-            if node.block in self.parts
-            for row in self.parts[node.block].rows_among(np.array([node.node])).tolist()
-        ]
-
-    def _compile(self, gain: Any, pace: float, announce: Callable[[str], None]) -> None:
-        """Record all procedures, load them, and list what a step calls. InputError."""
-        comm, layout, parts = self.comm, self.layout, self.parts.values()
-        at = saved.slices(self.latest.dtype)
+        particles, at = particles_of(problem), saved.slices(self.latest.dtype)
+        self.particles = ParticleSystem(layout, particles, self._instant)
         ends = [self.latest_numbers[at.get(name, slice(0))] for name in saved.OF_INTERFACES]
         found = SimpleNamespace(
             y=self.y,
             stages=tuple(self._now[1:]),
             total=zeros(layout.local_size),
             gain=gain,
-            extremes=np.zeros(1 + MONITORED * len(self.problem.blocks)),
+            extremes=np.zeros(1 + MONITORED * len(problem.blocks)),
             rates=self.bounds,
             results=self.results,
             latest=self.latest_numbers,
             at_ends=tuple(ends),
-            pace=pace,
+            pace=max(1.0, shock * PACE_AT_SHOCKS[order]),
             plan=self.plan,
             time=np.zeros(1),
             stage=np.zeros(2),
-            left=self._left(),
         )
-        self._time = found.time
-        begins = {name: where.start for name, where in at.items()}
-        about = self.particles, found, begins
-        codes = together(comm, lambda: [part.record(*about) for part in parts])
+        about = SimpleNamespace(
+            problem=problem,
+            layout=layout,
+            order=order,
+            opt=opt,
+            particles=particles,
+            system=self.particles,
+            columns={name: where.start for name, where in at.items()},
+            found=found,
+        )
+        kinds = {"fluid": GasPart, "solid": SolidPart}
+
+        def make() -> dict[int, Any]:
+            of = layout.parts.items()
+            return {k: kinds[problem.blocks[k].kind](part, about) for k, part in of}
+
+        self.parts = together(comm, make)  # a grid or a prestress may be wrong on some ranks
+        self._gases = [part for part in self.parts.values() if part.block.kind == "fluid"]
+        found.left, self._time = self._left(), found.time
+        self._compile(found, announce)
+        self._noted = [
+            (number, node, row)
+            for number, node in enumerate(self.recorded)
+            if node.block in self.parts
+            for row in self.parts[node.block].rows_among(np.array([node.node])).tolist()
+        ]
+
+    def _compile(self, found: Any, announce: Callable[[str], None]) -> None:
+        """Record what is not of parts, load all, and list what a step calls. InputError."""
+        comm, layout, parts = self.comm, self.layout, self.parts.values()
         calling = Code(exchange_text())
         does: dict[str, Any] = procedures_of_steps(calling, found)
         having = () if self.problem.steady_data else (*parts, self.particles.prescribed)
@@ -138,30 +150,31 @@ class BlockState(State):
         data = [Code() for _ in sources]
         for code, some in zip(data, sources, strict=True):
             code.procedure("set_data", set_data, tuple(some), found.time)
-        codes += [*data, self.particles.procedures(gain), calling]
+        codes = [*(part.code for part in parts), *data, self.particles.procedures(found.gain)]
+        codes.append(calling)
         texts = [code.text for code in codes]
         for code, library in zip(codes, libraries(comm, texts, announce), strict=True):
             code.load(library)
         does["reduce"] = Reduction(comm, found.extremes)
-        self._exchanges = [
+        exchanges = [
             *(layout.halos, self.particles.sums, self.particles.areas, self.particles.stored),
             *(part.inside for part in layout.parts.values()),
             *(gas.gather for gas in self._gases),
+            does["reduce"],
         ]
-        for exchange in (*self._exchanges, does["reduce"]):
-            exchange.load(calling.library)
         self._data = [code.procedures[0] for code in data]
+        self._lists = phases(layout, [*parts], self.particles, does, self._data)
+        self._take_calls(calling.library, does["plan_next"], exchanges)
         if not self.asked:  # as data of a wall that begins with an infinite acceleration
             self._fill(0.0)
             every = [(one.about, of) for some in sources for one in some for of in one.targets]
             bad = [about for about, of in every if not np.isfinite(of).all()]
             self._ask([f"{what}: it is not finite at t = 0" for what in bad])
-        self.particles.begin()
+        solids = [part for part in parts if part.block.kind == "solid"]
+        self.particles.begin({part.k: part.inertia[part.owned] for part in solids})
         for gas in self._gases:  # the metrics where nothing has moved
             gas.does["begin_grid"]()
             gas.reference[:] = gas.J
-        self._lists = phases(layout, [*parts], self.particles, does, self._data)
-        self._take_calls(calling.library, does["plan_next"])
 
     def _left(self) -> np.ndarray:
         """(runs, 2), begin and end of numbers to whose rates something is added after sweeps."""
@@ -176,7 +189,8 @@ class BlockState(State):
 
     def _ask(self, why: list[str]) -> None:
         """Let Python be asked for data if a rank has a reason. Collective."""
-        self.not_recorded, self.asked = why, self.comm.allreduce(bool(why), MPI.LOR)
+        self.not_recorded = [one for some in self.comm.allgather(why) for one in some]
+        self.asked = bool(self.not_recorded)
 
     def _instant(self) -> float:
         """A short time [s], for differences in time; a power of two, so that it hardly changes."""
@@ -190,14 +204,16 @@ class BlockState(State):
         for procedure in self._data:
             procedure()
 
-    def check_data(self, t_end: float | None = None) -> None:
-        """Fill the solution with initial data; ask all functions of the case at t = 0. InputError
-        for what they return, and where walls do not move with their velocity until t_end [s].
+    def set_initial(self, t_end: float | None = None) -> None:
+        """Initial data. Grids of gases follow the solids, at the same density, velocity and
+        temperature; gas at walls gets their velocity. All functions of the case are asked at t = 0.
+        InputError for what they return, and where walls do not move with their velocity until t_end
+        [s].
         """
 
         def fill() -> None:
             for k, part in self.parts.items():
-                part.initial(0.0, self.owned(k))
+                part.initial(self.owned(k))
                 if part.block.exact is not None:
                     block_values(part.block, "exact", part.X[:, part.owned], 0.0)
             self.set_data(0.0)
@@ -205,14 +221,7 @@ class BlockState(State):
                 self.particles.prescribed.check_motion(t_end)
 
         together(self.comm, fill)
-
-    def set_initial(self) -> None:
-        """Initial data. Grids of gases follow the solids, at the same density, velocity and
-        temperature; gas at walls gets their velocity. InputError.
-        """
-        self.check_data()
         self._auxiliary[:] = 0.0
-        self.set_data(0.0)
         self._do("share", STAGES)
         self._do("grid", STAGES)
         for gas in self._gases:
@@ -367,8 +376,3 @@ class BlockState(State):
         none = [np.empty((0, len(self.fields(k)))) for k in range(len(self.shapes))]
         here = [self.saved(k) if k in self.parts else array for k, array in enumerate(none)]
         return {k: self.layout.in_order(k, array) for k, array in enumerate(here)}
-
-    def destroy(self) -> None:
-        for exchange in self._exchanges:
-            exchange.destroy()
-        self.solution.destroy()

@@ -1,6 +1,5 @@
 """A rank's parts of gas and of solid blocks: records for procedures, grids, what is saved."""
 
-from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -17,10 +16,8 @@ from fsipetsc.equations.vectors import dot
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
 from fsipetsc.materials.own import check_inverses, knows_entropy
-from fsipetsc.parallel.block_layout import GATHER_TAG, BlockLayout, Part
+from fsipetsc.parallel.block_layout import GATHER_TAG, Part
 from fsipetsc.parallel.exchange import RowExchange
-from fsipetsc.particles.members import Particle
-from fsipetsc.particles.system import ParticleSystem
 from fsipetsc.scheme import gas_terms as of_gas
 from fsipetsc.scheme import solid_procedures as of_solid
 from fsipetsc.scheme.dissipation import AT_SHOCKS, GasDamping, SolidDamping, sigma_of
@@ -41,21 +38,41 @@ OF_SOLID = of_solid.store, rates, of_solid.monitor, of_solid.measure, of_solid.s
 class GasPart(BlockPart):
     """One part of a gas block. metrics: (d d + d, N), a^k, velocity of the grid, and of axes A."""
 
-    def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
-        super().__init__(layout, part, order)
+    def __init__(self, part: Part, about: SimpleNamespace) -> None:
+        super().__init__(part, about)
+        opt, order = about.opt, about.order
         material, self.around = self.block.material, self.problem.symmetry > 0
         self.viscous = bool(material.mu or material.kappa)
-        sigma = sigma_of(form.dissipation, self.problem.joined)
-        self._check_law(form.convection, sigma)
-        self.form = convection_of(form.convection, self.laws)
-        damps = sigma > 0.0 or form.shock > 0.0
+        sigma = sigma_of(opt["fsi_dissipation"], self.problem.joined)
+        self._check_law(opt["fsi_convection"], sigma)
+        self.form = convection_of(opt["fsi_convection"], self.laws)
+        damps = sigma > 0.0 or opt["fsi_shock"] > 0.0
         if damps:
-            given = sigma, form.shock, self.form.raises
+            given = sigma, opt["fsi_shock"], self.form.raises
             damping = GasDamping(order // 2, part.bands, self.block.cells, *given)
             self.terms = damping, *self.terms
         self.add_sources(add_force, of_gas.supply)
         self.added = damps or self.around or self.forced or self.forcing is not None
         self.reads_ghosted = self.reads_ghosted or damps or self.around
+        #: J of the reference map, over which that of the solution is saved and monitored
+        self.reference, self.J = np.zeros((2, self.owned.size))
+        self.places = self.X.copy()
+        self._follow()
+        self.column = [block.kind for block in self.problem.blocks[: self.k]].count("fluid")
+        self.columns.mass += self.column
+        near = order // 2, max(band.reach for band in self.bands)
+        made = self.kernels_of(gas_kernels, self.form, self.viscous, self.moves, near)
+        self.volume = GasSweep(self.laws, self.d, made, self.bands, self.patch)
+        potential = self.volume.potential
+        potential[:] = -dot(self.laws.force, self.X)[: potential.size]
+        adds = (of_gas.add_ends,) * self.moves + (add_radial,) * self.around
+        self.terms = adds + self.terms
+        room = np.zeros(((self.d + 1) ** 2, self.X.shape[1])) if material.mu else None
+        self.hoops = room if self.around else None
+        self.room = np.zeros((MONITORED + len(vars(self.columns)), COLUMNS))
+        self.masses, self.ends = self.H, self._ends()
+        moving = OF_MOVING_GAS if self.moves else ()
+        self._record((*moving, images, normals, *OF_GAS))
 
     def _check_law(self, convection: str, sigma: float) -> None:
         """InputError if the law of the gas lacks what an option needs."""
@@ -69,63 +86,38 @@ class GasPart(BlockPart):
             lacks = f"{owner} has no formula entropy(rho, T), which -fsi_dissipation needs"
             raise InputError(f"{lacks}; it is 1 where blocks are joined; -1: no dissipation")
 
-    def follow(self, particles: Sequence[Particle], system: ParticleSystem) -> None:
-        """Let the grid follow solids and walls that move. Collective on the ranks of the block."""
-        of = self.at_particles
+    def _follow(self) -> None:
+        """Let the grid follow solids and walls that move."""
+        of, layout = self.at_particles, self.about.layout
         faces = sorted(set(zip(of.axis.tolist(), of.index.tolist(), strict=True)))
         blocks = self.problem.blocks
         leading = [
             particle.members
-            for particle in particles
+            for particle in self.about.particles
             if particle.moves or any(blocks[b].kind == "solid" for b, _ in particle.members)
         ]
         nodes = np.array([n for members in leading for b, n in members if b == self.k], np.int64)
         self.moves, about = nodes.size > 0, (self.k, self.order, self.ghosted, nodes, faces)
         self.grid, self.metrics = grid_of(self.problem, *about)
-        share = self.layout.shares[self.k]  # all its ranks get what the owners of nodes have
+        share = layout.shares[self.k]  # all its ranks get what the owners of nodes have
         wanted = dict.fromkeys(share.ranks, np.ones(nodes.size, bool))
         known = share.owners(nodes), wanted, np.zeros((nodes.size, 2 * self.d))
-        self.gather = RowExchange(self.layout.comm, GATHER_TAG + self.k, *known)
+        self.gather = RowExchange(layout.comm, GATHER_TAG + self.k, *known)
         self.known, self.follower_rows = self.gather.table, self.gather.rows
-        _, own, particle = system.own(self.k)
+        _, own, particle = self.about.system.own(self.k)
         self.follows = particle[np.searchsorted(own, nodes[self.follower_rows])]
-        #: J of the reference map, over which that of the solution is saved and monitored
-        self.reference, self.J = np.zeros((2, self.owned.size))
-        self.places = self.X.copy()
-
-    def _prepare(self, system: Any) -> Any:
-        self.column = [block.kind for block in self.problem.blocks[: self.k]].count("fluid")
-        self.columns.mass += self.column
-        near = self.order // 2, max(band.reach for band in self.bands)
-        made = self.kernels_of(gas_kernels, self.form, self.viscous, self.moves, near)
-        self.volume = GasSweep(self.laws, self.d, made, self.bands, self.patch)
-        potential = self.volume.potential
-        potential[:] = -dot(self.laws.force, self.X)[: potential.size]
-        adds = (of_gas.add_ends,) * self.moves + (add_radial,) * self.around
-        self.terms = adds + self.terms
-        room = np.zeros(((self.d + 1) ** 2, self.X.shape[1])) if self.block.material.mu else None
-        self.hoops = room if self.around else None
-        self.room = np.zeros((MONITORED + len(vars(self.columns)), COLUMNS))
-        self.masses, self.ends = self.H, self._ends()
-        moving = OF_MOVING_GAS if self.moves else ()
-        return *moving, images, normals, *OF_GAS
 
     def _ends(self) -> SimpleNamespace:
         """The ends of all axes here, which are none along a periodic axis and at a centre."""
-        problem, names = self.problem, ("at", "own", "axis")
-        faces = [
-            face for face, what in problem.kinds[self.k].items() if not isinstance(what, Centre)
-        ]
-        ends = [self.nodes_of(*face) for face in faces]
-        none = np.zeros(0, np.int64)
-        known = {name: np.concatenate([none, *(end[name] for end in ends)]) for name in names}
-        factors = (end["sign"] * end["per_weight"] for end in ends)
-        return SimpleNamespace(**known, factor=np.concatenate([np.zeros(0), *factors]))
+        faces = self.problem.kinds[self.k].items()
+        of, _ = self.nodes_of([face for face, what in faces if not isinstance(what, Centre)])
+        known = {name: of[name] for name in ("at", "own", "axis")}
+        return SimpleNamespace(**known, factor=of["sign"] * of["per_weight"])
 
-    def initial(self, t: float, q: Array) -> None:
+    def initial(self, q: Array) -> None:
         """Fill q (M, d + 3) with the case's data, with J = 1."""
         X = self.X[:, self.owned]
-        rho, *u, T = block_values(self.block, "initial", X, t)
+        rho, *u, T = block_values(self.block, "initial", X, 0.0)
         check_inverses(self.laws.law, rho, T, f"the law of the gas '{self.block.name}'")
         U = self.laws.densities(self.laws.state(rho, tuple(u), T))
         for c, values in enumerate((1.0, *U)):
@@ -165,9 +157,9 @@ class GasPart(BlockPart):
 class SolidPart(BlockPart):
     """One part of a solid block. reference: (M,) J0 of owned nodes."""
 
-    def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
-        super().__init__(layout, part, order)
-        d, block = self.d, self.block
+    def __init__(self, part: Part, about: SimpleNamespace) -> None:
+        super().__init__(part, about)
+        d, block, order, shock = self.d, self.block, about.order, about.opt["fsi_shock"]
         self.metrics = solid_metrics(self.problem, part.k, order, part.ghosted)
         self.inertia = self.metrics[d * d] * self.laws.m0
         self.reference = self.metrics[d * d, self.owned]
@@ -176,21 +168,34 @@ class SolidPart(BlockPart):
         self.prestress = None
         if block.prestress is not None:
             self.prestress = np.array(block_values(block, "prestress", self.X, 0.0))
-        sigma = sigma_of(form.dissipation, self.problem.joined) / 4.0 ** (order // 2)
-        of_all = order // 2, sigma, -sigma * (form.shock > 0.0)
+        sigma = sigma_of(about.opt["fsi_dissipation"], self.problem.joined) / 4.0 ** (order // 2)
+        of_all = order // 2, sigma, -sigma * (shock > 0.0)
         dissipation = [
             SolidDamping(q, part.bands, block.cells, a, b, self.laws)
-            for q, a, b in (of_all, (1, 0.0, AT_SHOCKS * form.shock))
+            for q, a, b in (of_all, (1, 0.0, AT_SHOCKS * shock))
             if a > 0.0 or b > 0.0
         ]
         self.terms = *dissipation, *self.terms
         self.add_sources(of_solid.book_force, of_solid.supply)
         self.added = bool(dissipation) or self.forcing is not None
-        self.reads_ghosted |= bool(dissipation) or part.signs.size > 0
+        members = slice(None) if about.system.record.stores else slice(0)
+        self.rows_of_stored, nodes, _ = (of[members] for of in about.system.own(self.k))
+        self.stored_at = self.patch.ghosted_rows(self.rows(nodes))
+        self.reads_ghosted |= bool(dissipation) or part.signs.size > 0 or nodes.size > 0
+        ends = []  # in one dimension
+        for number in range(len(self.problem.interfaces) if d == 1 else 0):
+            for k, *face in self.problem.interface_faces(number):
+                nodes = self.block.face_nodes(*face) if k == self.k else np.zeros(0, int)
+                ends += [(number, row) for row in self.rows_among(nodes)]
+        self.interfaces = np.array(ends, np.int64).reshape(-1, 2)
+        kernels = self.kernels_of(solid_kernels, order, self.prestress is not None)
+        self.volume = SolidSweep(self.laws, d, kernels, self.bands, self.patch)
+        self.room = np.zeros((MONITORED + len(vars(self.columns)), self.patch.own[0]))
+        self._record((images, normals, *OF_SOLID))
 
-    def initial(self, t: float, q: Array) -> None:
+    def initial(self, q: Array) -> None:
         d, X = self.d, self.X[:, self.owned]
-        values = block_values(self.block, "initial", X, t)
+        values = block_values(self.block, "initial", X, 0.0)
         v, T, x = values[:d], values[d], values[d + 1 :]
         for c in range(d):
             q[:, c], q[:, d + c] = x[c] - X[c], v[c]
@@ -218,23 +223,6 @@ class SolidPart(BlockPart):
         """Find F (d d, M), with hoops (2, M), of the owned nodes; q: (N, 2d + 1)."""
         own = np.ascontiguousarray(q[self.owned].T)
         self.does["measure"](own.reshape(-1), np.ascontiguousarray(q.T).reshape(-1))
-
-    def _prepare(self, system: Any) -> Any:
-        d, problem = self.d, self.problem
-        ends = []  # in one dimension
-        for number in range(len(problem.interfaces) if d == 1 else 0):
-            for k, *face in problem.interface_faces(number):
-                nodes = self.block.face_nodes(*face) if k == self.k else np.zeros(0, int)
-                ends += [(number, row) for row in self.rows_among(nodes)]
-        self.interfaces = np.array(ends, np.int64).reshape(-1, 2)
-        members = slice(None) if system.record.stores else slice(0)
-        self.rows_of_stored, nodes, _ = (of[members] for of in system.own(self.k))
-        self.stored_at = self.patch.ghosted_rows(self.rows(nodes))
-        self.reads_ghosted = self.reads_ghosted or nodes.size > 0
-        kernels = self.kernels_of(solid_kernels, self.order, self.prestress is not None)
-        self.volume = SolidSweep(self.laws, d, kernels, self.bands, self.patch)
-        self.room = np.zeros((MONITORED + len(vars(self.columns)), self.patch.own[0]))
-        return images, normals, *OF_SOLID
 
     def stressed(self, q: Array, rows: Any) -> tuple[Array, Array, Array, Array]:
         """T, p, Cauchy stress (d, d, n), that of hoops (1 or 0, n), of rows, by the last F."""

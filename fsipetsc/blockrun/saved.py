@@ -93,9 +93,7 @@ def _nearest(problem: BlockProblem, place: Array) -> Probe:
         apart = np.linalg.norm(problem.places(k, np.arange(np.prod(block.shape))) - place, axis=1)
         found.append((float(apart.min()), block.kind == "fluid", k, int(apart.argmin())))
     least = min(found)[0]
-    *_, k, node = min(
-        (one for one in found if one[0] <= least + problem.tolerance), key=lambda one: one[1:]
-    )
+    *_, k, node = min(found, key=lambda one: (one[0] > least + problem.tolerance, *one[1:]))
     shape = problem.blocks[k].shape
     at = np.unravel_index(node, shape, order="F")
     cells = np.ix_(*(np.arange(max(i - 1, 0), min(i + 2, n)) for i, n in zip(at, shape)))

@@ -36,6 +36,7 @@ HAS = {
     "fsi_dissipation": (0.0, -1.0),
     "fsi_shock": (0.0,),
     "fsi_convection": ("auto", "divergence"),
+    "fsi_probes": (None, ""),
 }
 
 

@@ -112,9 +112,7 @@ class PaperState(State):
         planning = code.procedure("plan_next", plan_next, self.plan)
         (library,) = libraries(self.comm, [code.text], announce)
         code.load(library)
-        for exchange in (self._rows, self._halos, self._reduction):
-            exchange.load(library)
-        self._take_calls(library, planning)
+        self._take_calls(library, planning, (self._rows, self._halos, self._reduction))
 
     def phase(self, name: str, n: int, f: Array | None = None) -> list[Any]:
         does, found = self._does, list[Any]()
@@ -183,11 +181,6 @@ class PaperState(State):
     def seen(self) -> list[Any]:
         return [layer.seen() for layer in self.parts.values()]
 
-    def destroy(self) -> None:
-        self._rows.destroy()
-        self._halos.destroy()
-        self.solution.destroy()
-
     # data
 
     def set_data(self, t: float) -> None:
@@ -206,9 +199,9 @@ class PaperState(State):
         except InputError as error:
             self._fail(error)
 
-    def check_data(self, t_end: float | None = None) -> None:
-        """Fill the solution, not projected, with initial data, and ask for all else at t = 0.
-        InputError, on all ranks.
+    def set_initial(self, t_end: float | None = None) -> None:
+        """Initial data of all layers, projected; all else is asked for at t = 0. InputError, on
+        all ranks.
         """
 
         def fill() -> None:
@@ -220,10 +213,6 @@ class PaperState(State):
         self.show(0)
         self.set_data(0.0)
         agree(self.comm, self.fault)
-
-    def set_initial(self) -> None:
-        """Initial data of all layers, projected. InputError."""
-        self.check_data()
         self.finish()
 
     # steps; all stages are in the same memory

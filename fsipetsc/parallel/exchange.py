@@ -127,6 +127,9 @@ class Reduction(Called):
         about = np.array([_of_mpi("MPI_Allreduce"), *handles, *of_numbers], np.int64)
         self.structure, self._kept = about.ctypes.data, (about, room, numbers, comm)
 
+    def destroy(self) -> None:
+        """There is nothing to release."""
+
 
 class Reach(NamedTuple):
     """Which nodes a rank needs beside its own: ``width`` along each axis, on beyond the ends of

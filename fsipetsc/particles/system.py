@@ -5,7 +5,7 @@ Owners of the members of a particle send each other what is extensive of them; e
 the same order and solves the same small system: see fsipetsc.particles.constraints.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -26,7 +26,7 @@ from fsipetsc.scheme.faces import listed
 class ParticleSystem:
     """Particles with a member on this rank. Making one is collective on ``layout.comm``.
 
-    inertia: block -> (ghosted nodes,), J0 m0 of solids. instant: as in Prescribed.
+    instant: as in Prescribed.
 
     record: all that procedures take, of n particles and their members, on this and other ranks:
     rows of tables, those of one particle together, in an order that all ranks have in common. does:
@@ -37,7 +37,7 @@ class ParticleSystem:
     does: dict[str, Procedure]
 
     def __init__(
-        self, layout: BlockLayout, particles: Sequence[Particle], inertia: Any, instant: Instant
+        self, layout: BlockLayout, particles: Sequence[Particle], instant: Instant
     ) -> None:
         self._layout, d, me = layout, layout.problem.dimension, layout.comm.rank
         listed = [(p, k, n) for p, one in enumerate(particles) for k, n in one.members]
@@ -66,7 +66,7 @@ class ParticleSystem:
             begin=begin,  # particle p has the rows begin[p] … begin[p + 1] - 1
             mine=self._mine,  # rows of the members of this rank
             of_particle=number,  # of each member
-            **self._of_members(inertia),
+            **self._of_members(),
             **self._of_particles(owners[begin[:-1]] == me, most),
             laws=tuple(layout.problem.gas_laws),
             data=self.prescribed.data,
@@ -110,24 +110,22 @@ class ParticleSystem:
         rows = rows[np.argsort(self._members[rows, 1])]
         return rows, self._members[rows, 1], self._number[rows]
 
-    def _of_members(self, inertia: dict[int, Array]) -> dict[str, Array]:
+    def _of_members(self) -> dict[str, Array]:
         """What the record has of members: GAS or SOLID, specific heat; of those of this rank the
-        place of the first unknown in the world vector and how far the others are apart, H of gas or
-        M_s of a solid, and M_s where work is booked. Others tell their weights in `begin`.
+        place of the first unknown in the world vector and how far the others are apart, H; room
+        for M_s where work is booked. Inertia, and weights of others, come in `begin`.
         """
         blocks, ks = self._layout.problem.blocks, self._members[:, 0]
         kinds = np.array([SOLID if block.kind == "solid" else GAS for block in blocks])
         alphas = np.array([getattr(block.material, "alpha", 0.0) for block in blocks], float)
         at, apart = np.zeros((2, len(ks)), np.int64)
-        weight, inertias = np.zeros((2, len(ks)))
+        weight, inertia = np.zeros((2, len(ks)))
         for k, part in self._layout.parts.items():
             rows, numbers, _ = self.own(k)
             own = part.rows(numbers)
-            nodes = part.patch.ghosted_rows(own)
-            weight[rows] = part.weights(nodes) * (inertia[k][nodes] if k in inertia else 1.0)
+            weight[rows] = part.weights(part.patch.ghosted_rows(own))
             at[rows], apart[rows] = part.begin + own, part.numbers.size
-            inertias[rows] = weight[rows] * self._layout.problem.loses(k)
-        found = {"kind": kinds[ks], "alpha": alphas[ks], "weight": weight, "inertia": inertias}
+        found = {"kind": kinds[ks], "alpha": alphas[ks], "weight": weight, "inertia": inertia}
         return {**found, "at": at, "apart": apart}
 
     def _of_particles(self, mine: Array, most: int) -> dict[str, Any]:
@@ -162,10 +160,16 @@ class ParticleSystem:
                     found += [(*at, -sign, on_solid)] * isinstance(met, Meeting)
         return listed(self._layout.parts[k], found)
 
-    def begin(self) -> None:
-        """Learn weights of the members of others, and mean specific heats, once procedures and
-        exchanges are loaded. Collective.
+    def begin(self, inertia: Mapping[int, Array]) -> None:
+        """Learn M_s of the members of solids, weights of those of others, and mean specific heats,
+        once procedures and exchanges are loaded. inertia: block -> (owned nodes,), J0 m0 of solids.
+        Collective.
         """
+        for k, of_nodes in inertia.items():
+            rows, numbers, _ = self.own(k)
+            self.record.weight[rows] *= of_nodes[self._layout.parts[k].rows(numbers)]
+            booked = self._layout.problem.loses(k)
+            self.record.inertia[rows] = self.record.weight[rows] * booked
         self.sums.table[:, 0] = self.record.weight
         self.sums()
         self.record.weight[:] = self.sums.table[:, 0]

@@ -4,10 +4,8 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from itertools import pairwise
 
-from fsipetsc.errors import InputError
-from fsipetsc.options import AT_START, given_options, is_option, present, put
+from fsipetsc.options import AT_END, given_options, present, put
 from fsipetsc.process.together import Comm, launcher_rank, together
 
 
@@ -52,38 +50,21 @@ def start_petsc(arguments: Sequence[str], comm: Comm) -> dict[str, str]:
     comes after the case's name. Collective. InputError, FileError for what is not an option and
     for an options file.
     """
-    if not petsc_runs():
-        _initialise(arguments)
-    before = {name.lower(): text for name, text in present().items()}
+    if not petsc_runs():  # PETSc gets its options later; the program itself answers signals
+        import petsc4py
+
+        environment = os.environ.pop("PETSC_OPTIONS", "")
+        petsc4py.init(["fsipetsc", "-skip_petscrc", "-no_signal_handler", "-options_left", "false"])
+        os.environ |= {"PETSC_OPTIONS": environment} if environment else {}
+    from petsc4py import PETSc
+
     put({})  # an error leaves none, on any rank
     given = comm.bcast(together(comm, lambda: given_options(arguments) if comm.rank == 0 else None))
-    start = {name: given[name] for name in AT_START if name in given}
-    for name, text in start.items():
-        if before.get(name) != text:
-            where = "on the command line, or in PETSC_OPTIONS, of the first run in a process"
-            raise InputError(f"-{name} works from the start of PETSc: give it {where}")
+    if "log_view" in given:
+        PETSc.Log.begin()
     # newer releases (3.22) print what nobody asked for at the end, after every error
-    put({"options_left": "false", **start})
+    put({"options_left": "false", **{name: given[name] for name in AT_END if name in given}})
     return given
-
-
-def _initialise(arguments: Sequence[str]) -> None:
-    """Start PETSc with those options that it follows only when it starts."""
-    import petsc4py
-
-    # a SIGTERM is the program's business; an error of options is not a list of those left
-    start = ["-skip_petscrc", "-no_signal_handler", "-options_left", "false"]
-    environment = os.environ.pop("PETSC_OPTIONS", "")
-    for word, value in pairwise([*environment.split(), *arguments, "-end"]):
-        if word.lstrip("-").lower() in AT_START:
-            start += [word] if is_option(value) else [word, value]
-    try:
-        petsc4py.init(["fsipetsc", *start])
-    except RuntimeError:
-        raise InputError(f"PETSc could not start with {' '.join(start)}") from None
-    finally:
-        if environment:
-            os.environ["PETSC_OPTIONS"] = environment
 
 
 def petsc_runs() -> bool:
@@ -104,7 +85,7 @@ def left_as_found() -> Iterator[None]:
         yield
     finally:
         if petsc_runs():
-            at_end = {name: text for name, text in present().items() if name in AT_START}
+            at_end = {name: text for name, text in present().items() if name in AT_END}
             put(at_end if found is None else found)
         folders = tuple(os.path.join(folder, "") for folder in set(sys.path) - set(path))
         for name in set(sys.modules) - modules:  # the next case file has its own of that name

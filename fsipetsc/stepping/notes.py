@@ -37,7 +37,10 @@ FINEST = {1: 1, 2: 4, 3: 2}
 TOO_LARGE = 1e150
 #: fields that must be above 0; others need only be finite
 POSITIVE = "rho", "T", "J", "x_X", "m0 c^2"
-HELPS = "what usually helps: shorter steps (-fsi_cfl or -ts_dt), a finer grid (-fsi_h)"
+HELPS = (
+    "what usually helps: shorter steps (-fsi_cfl or -ts_dt), a finer grid (-fsi_h); where there "
+    "are shocks -fsi_dissipation 1 -fsi_shock 1, which need -fsi_coupling conservative"
+)
 #: a part of the run's energy that may be round-off: of a smaller one no share is told
 NOTHING = 1e-12
 
@@ -51,9 +54,8 @@ def first_notes(state: State, opt: Mapping[str, Any]) -> list[str]:
 
 def asked_data(state: BlockState) -> list[str]:
     """Why Python is asked for data in each stage of a step."""
-    why = [one for some in state.comm.allgather(state.not_recorded) for one in some]
     words = "Python is asked for data in each stage of a step, which takes longer"
-    return [f"{words}: {why[0]}"] if why else []
+    return [f"{words}: {why}" for why in state.not_recorded[:1]]
 
 
 def heat_that_stays(state: BlockState) -> list[str]:
@@ -149,7 +151,7 @@ def worst_waves(part: SolidPart, q: Array) -> list[tuple[float, int, list[float]
     return found
 
 
-def check(state: State, opt: Mapping[str, Any], t: float, step: int) -> None:
+def check(state: State, t: float, step: int) -> None:
     """ComputationError, at first InputError, if the run cannot go on from the state at t [s]."""
     flags, when = state.results, f"t = {t:.6g}{state.problem.unit('s')}, step {step}"
     if flags[BAD] or not flags[RATE] < np.inf:
@@ -159,14 +161,7 @@ def check(state: State, opt: Mapping[str, Any], t: float, step: int) -> None:
         state.go_back()
         waves = imaginary_waves(state, float(state.batch[TIME]))
         first = state.repeat(partial(first_bad, state)) or first
-        lacks = {  # what is not in force, and helps
-            "-fsi_coupling conservative": opt["fsi_coupling"] != "conservative",
-            "-fsi_dissipation 1": opt["fsi_dissipation"] <= 0.0,
-            "-fsi_shock 1": opt["fsi_shock"] == 0.0,
-        }
-        words = " ".join(word for word in lacks if lacks[word])
-        helps = f"{HELPS}; where there are shocks {words}" if words else HELPS
-        raise ComputationError("; ".join([f"{first}, {when}", *(waves.values() or [helps])]))
+        raise ComputationError("; ".join([f"{first}, {when}", *(waves.values() or [HELPS])]))
     if flags[OFF_GRID]:
         raise ComputationError(f"at {when} {state.used_up()}")
 

@@ -19,8 +19,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.blockrun.block_state import BlockForm, BlockState
-from fsipetsc.blockrun.saved import chosen
+from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.checks import counted, described, duration
 from fsipetsc.errors import ComputationError, FileError, InputError, Interrupted, call, place_of
@@ -71,24 +70,8 @@ def make_state(
 ) -> PaperState | BlockState:
     """The state that the options ask for; announce: see `libraries`. Collective; InputError."""
     build.keeps_text = opt["fsi_debug"]
-    if isinstance(problem, BlockProblem):
-        recorded = together(comm, lambda: chosen(problem, opt["fsi_probes"]))
-        of_run = block_form(opt), opt["fsi_partition"], recorded, announce
-        return BlockState(comm, problem, opt["fsi_order"], *of_run)
-    if opt["fsi_probes"]:
-        raise InputError("-fsi_probes is of blocks: here all interfaces are recorded anyway")
-    return PaperState(comm, problem, opt, announce)
-
-
-def block_form(opt: Mapping[str, Any]) -> BlockForm:
-    """Return the form of the equations that is asked for. InputError for another method."""
-    coupling, mapping = ("conservative",), ("auto", "stretched")
-    there = {"fsi_coupling": coupling, "fsi_mapping": mapping, "fsi_viscous": ("wide",)}
-    for name, wanted in there.items():
-        if opt[name] not in wanted:
-            blocks = "this case is made of blocks, as is any with -fsi_coupling conservative"
-            raise InputError(f"-{name} {opt[name]}: {blocks}: expected {' or '.join(wanted)}")
-    return BlockForm(opt["fsi_convection"], opt["fsi_dissipation"], opt["fsi_shock"])
+    kind = BlockState if isinstance(problem, BlockProblem) else PaperState
+    return kind(comm, problem, opt, announce)
 
 
 def run_given(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> dict[str, Any]:
@@ -112,7 +95,7 @@ def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | No
     with make_state(problem, options, comm, (lambda text: None) if quiet else say) as state:
         if past is not None:
             past.check(restart.facts(state), past.header["facts"])
-        state.check_data(options["ts_max_time"])  # before there is a file
+        state.set_initial(options["ts_max_time"])  # before there is a file
         run = Run(case.NAME, options, state, past)
         if options["fsi_check"]:
             run.look()

@@ -134,9 +134,7 @@ def measured(
         return together(study.comm, action if here else lambda: None, asleep=True)
 
     def make(team: Comm) -> Any:
-        state = make_state(build_problem(case, options, team), options, team)
-        state.set_initial()
-        return state
+        return make_state(build_problem(case, options, team), options, team)
 
     def sample(n: int, steps: int) -> Any:
         return on(n, lambda: step_time(states[n], options, steps))
@@ -174,6 +172,7 @@ def step_time(state: Any, opt: Mapping[str, Any], count: int) -> float:
 
     nothing = dict.fromkeys(("fsi_output_dt", "fsi_output_times"))
     integrator = Integrator(state, {**opt, **nothing, "ts_max_steps": count})
+    state.set_initial()
     integrator.start()
     state.comm.Barrier()
     integrator.run()

@@ -71,20 +71,20 @@ def modes(arguments: list[str], comm: Comm) -> None:
     from mpi4py import MPI
 
     from fsipetsc.blockrun.block_state import BlockState
-    from fsipetsc.stepping.run import block_form, build_problem
+    from fsipetsc.stepping.run import build_problem
 
     case, name = together(comm, lambda: load_case(arguments[0])), arguments[0]
     study = Study(comm, arguments[1:], OPTIONS, "modes", case)
     opt = {**study.opt, **STEADY.get(name, {})}
     order, count, n = opt["fsi_order"], opt["modes_count"], opt["ring_angular"] * (name == "ring")
-    how = build_problem(case, opt, comm), order, block_form(opt)
+    problem = build_problem(case, opt, comm)
     usual = {o.name: o.default for o in case.OPTIONS if o.name != "ring_around"}
     usual |= STEADY.get(name, {})
     columns = [column for own, column in EXACT if {**usual, **own}.items() <= opt.items()]
     known = [omega for of in columns for omega in reference("normal_modes")[f"{of} imag"]]
 
     def found() -> Any:
-        with BlockState(MPI.COMM_SELF, *how) as state:
+        with BlockState(MPI.COMM_SELF, problem, opt) as state:
             if name in ("ring", "shell"):
                 return radial_modes(state, n)[:count]
             omega = 1j * modes_near(state, -1j * opt["modes_near"], count)

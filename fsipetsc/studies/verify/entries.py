@@ -279,7 +279,7 @@ def beam(trial: Trial) -> None:
         bent = Layer("beam", solid, across, lambda X, Y: (0, 0, 1, X, Y), cells, sides=sides)
         around = {"lower": Free(), "upper": Free(), "along": ((0.0, 1.0),), "points": points}
         problem = layers(bent, cells=(round(1 / h),), **around)
-        with BlockState(MPI.COMM_SELF, problem, trial.order) as state:
+        with BlockState(MPI.COMM_SELF, problem, {"fsi_order": trial.order}) as state:
             # 2/1 has a second mode near it, which alternates from node to node
             found = modes_near(state, 0.9j * thin * unit)[0].imag / unit
         row = np.argmin(np.abs(table["d"] - d))
@@ -313,7 +313,7 @@ def normal_modes(trial: Trial) -> None:
         top = Layer("upper", upper, (0.0, 1.0), start, cells=n)
         along = {"along": ((0.0, 1.0),), "cells": (n,)}
         problem = layers(below, top, lower=Clamped(), upper=lid, **along)
-        with BlockState(MPI.COMM_SELF, problem, trial.order) as state:
+        with BlockState(MPI.COMM_SELF, problem, {"fsi_order": trial.order}) as state:
             found = column_modes(state, 0, 1)[0]
         known = complex(table[f"{name} real"][0], table[f"{name} imag"][0])
         trial.compare(name, found[np.abs(found - known).argmin()], known, trial.closures)
