@@ -98,7 +98,8 @@ class GasPart(BlockPart):
         ]
         nodes = np.array([n for members in leading for b, n in members if b == self.k], np.int64)
         self.moves, about = nodes.size > 0, (self.k, self.order, self.ghosted, nodes, faces)
-        self.grid, self.metrics = grid_of(self.problem, *about)
+        self.grid = grid_of(self.problem, *about)
+        self.metrics = self.grid.metrics
         share = layout.shares[self.k]  # all its ranks get what the owners of nodes have
         wanted = dict.fromkeys(share.ranks, np.ones(nodes.size, bool))
         known = share.owners(nodes), wanted, np.zeros((nodes.size, 2 * self.d))

@@ -40,15 +40,15 @@ class Grid(SimpleNamespace):
     nodes: (M,) those on faces of the whole block whose displacement and velocity will be given.
     faces: of the range, (axis, index along it), whose turning is wanted in three dimensions.
 
-    Procedures get known: (M, 2d) displacements [m] and velocities [m/s] of the given nodes, and
     metrics: (d d + d, N), a^1 … a^d and the velocity of the grid; around an axis or a centre A is
-    one more row. like: d zeros, hoops: kappa zeros. y: (d, W) places less those of linear maps, of
+    one more row. Procedures get known: (M, 2d) displacements [m] and velocities [m/s] of the given
+    nodes. like: d zeros, hoops: kappa zeros. y: (d, W) places less those of linear maps, of
     the reference map, x: of now; volume: (N,) det D x, by `find_volumes`. `edge` finds where the
     grid's faces are, and a^k on those at constraints, or everywhere if that is little work.
     """
 
     def __init__(self, problem: BlockProblem, k: int, wide: Wide, nodes: Array, faces: Any) -> None:
-        block, centred = problem.blocks[k], problem.centred(k)
+        block, centred, d = problem.blocks[k], problem.centred(k), problem.dimension
         self.like, self.hoops = (0.0,) * problem.dimension, (0.0,) * problem.symmetry
         self.hull = Hull(block, nodes, centred)
         self.blend = Blend(block, wide, self.hull.nodes, centred)
@@ -56,15 +56,16 @@ class Grid(SimpleNamespace):
         self.y, self.x = wide.y, aligned(wide.y.size).reshape(wide.y.shape)
         self.prepare(wide, faces)
         self.volume = np.zeros(self.rows.nodes)
+        self.metrics = zeros((d * d + d + (problem.symmetry > 0), self.rows.nodes))
 
-    def move(self, metrics):
+    def move(self):
         """Find where the grid is and a^k, as far as `edge` has not."""
 
-    def swing(self, known, metrics):
+    def swing(self, known):
         """Fill the velocity, after `edge` and `move`."""
         d = len(self.like)
         self.hull.fill(self.hull.moving, known, d)
-        self.blend.fill(self.hull.moving, metrics[d * d :], self.range)
+        self.blend.fill(self.hull.moving, self.metrics[d * d :], self.range)
 
     def find_places(self, X, places):
         """Find where nodes are (d, N), after `move`; X: those of the reference map."""
@@ -81,10 +82,10 @@ class Flat(Grid):
     def prepare(self, wide: Wide, faces: Any) -> None:
         self.rows, self.flat = Rows(wide, wide.where), self.x
 
-    def edge(self, known, metrics):
+    def edge(self, known):
         self.hull.fill(self.hull.moved, known, 0)
         self.blend.fill(self.hull.moved, self.x, self.wide, self.y)
-        self.rows.run("metrics", self.x, metrics, self.rows.P)
+        self.rows.run("metrics", self.x, self.metrics, self.rows.P)
 
 
 class Cube(Grid):
@@ -98,15 +99,15 @@ class Cube(Grid):
         self.moved = aligned(wide.y.size).reshape(wide.y.shape)
         self.ahead, self.back = np.zeros((2, 9, self.rows.nodes))
 
-    def edge(self, known, metrics):
+    def edge(self, known):
         self.hull.fill(self.hull.moved, known, 0)
         for c in range(3):
             put_on_faces(self.x[c], self.wide.faces, self.hull.moved[c], self.y[c])
-        self.rows.find(self.x, metrics, 1, self.rows.only.size)
+        self.rows.find(self.x, self.metrics, 1, self.rows.only.size)
 
-    def move(self, metrics):
+    def move(self):
         self.blend.fill(self.hull.moved, self.x, self.wide, self.y)
-        self.rows.find(self.x, metrics, 0, 1)
+        self.rows.find(self.x, self.metrics, 0, 1)
 
     def turn(self):
         """Find ahead and back, after `swing`."""
@@ -134,7 +135,7 @@ class Radial(Grid):
         self.source, self.turning = np.zeros(self.inner.size), np.zeros((d * d, self.inner.size))
         self.bounds = np.zeros((d * d + d + 1, self.inner.size))
 
-    def edge(self, known, metrics):
+    def edge(self, known):
         """Complete x, find A and flat, and fill a^k, A, source."""
         self.hull.fill(self.hull.moved, known, 0)
         d, kappa, area = len(self.like), len(self.hoops), self.area
@@ -150,17 +151,17 @@ class Radial(Grid):
         self.rows.run("divergence", self.through, self.source, self.still)
         for i in each(self.inner.size, vector=True):
             n = self.inner[i]
-            metrics[d * d + d, i] = area[n]
+            self.metrics[d * d + d, i] = area[n]
             for m in range(d * d):
-                metrics[m, i] = self.b[m, n] * (area[n] if m % d == d - 1 else 1.0)
+                self.metrics[m, i] = self.b[m, n] * (area[n] if m % d == d - 1 else 1.0)
 
-    def swing(self, known, metrics):
+    def swing(self, known):
         """Velocity of the grid, and turning."""
         self.hull.fill(self.hull.moving, known, len(self.like))
         d, kappa, v, area = len(self.like), len(self.hoops), self.v, self.area
         self.blend.fill(self.hull.moving, v, self.wide)
         for i in each(self.inner.size, vector=True):
-            metrics[d * d : d * d + d, i] = column(self.like, v, self.inner[i])
+            self.metrics[d * d : d * d + d, i] = column(self.like, v, self.inner[i])
         if d == 1:  # area vectors do not turn
             return
         for n in each(area.size, vector=True):
@@ -173,11 +174,11 @@ class Radial(Grid):
             for m in range(d - 1, d * d, d):
                 self.turning[m, i] = exact(area[n] * self.turning[m, i] + spread * self.b[m, n])
 
-    def bound(self, metrics):
+    def bound(self):
         """Fill bounds: metrics, a^k times 1/2 (1 + the largest A of the node and those beside it
         along the axis k, over A).
         """
-        d, area, copied, bounds = len(self.like), self.area, metrics.reshape(-1), self.bounds
+        d, area, copied, bounds = len(self.like), self.area, self.metrics.reshape(-1), self.bounds
         for m in each(copied.size, vector=True):
             bounds.reshape(-1)[m] = copied[m]
         for k in range(d):
@@ -194,9 +195,7 @@ class Radial(Grid):
 
 def grid_of(
     problem: BlockProblem, k: int, order: int, where: Range, nodes: Array, faces: Any
-) -> tuple[Grid, Array]:
-    """The `Grid` of a range of nodes of gas block k (of a rank: the ghosted), and its metrics."""
-    d, around = problem.dimension, problem.symmetry > 0
-    wide, kind = Wide(problem, k, order, where), Radial if around else (Flat, Flat, Cube)[d - 1]
-    size = int(np.prod([end - begin for begin, end in where]))
-    return kind(problem, k, wide, nodes, faces), zeros((d * d + d + around, size))
+) -> Grid:
+    """The `Grid` of a range of nodes of gas block k (of a rank: the ghosted)."""
+    kind = Radial if problem.symmetry else (Flat, Flat, Cube)[problem.dimension - 1]
+    return kind(problem, k, Wide(problem, k, order, where), nodes, faces)

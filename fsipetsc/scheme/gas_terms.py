@@ -196,19 +196,19 @@ def follow(part, particles):
 
 def edge(part):
     """Find a^k of the grid of now on faces, as far as constraints need it."""
-    part.grid.edge(part.known, part.metrics)
+    part.grid.edge(part.known)
 
 
 def move(part):
     """Find where the grid is now, and a^k, as far as `edge` has not."""
-    part.grid.move(part.metrics)
+    part.grid.move()
     if part.form.raises:
         find_potential(part)
 
 
 def swing(part):
     """Find the velocity of the grid."""
-    part.grid.swing(part.known, part.metrics)
+    part.grid.swing(part.known)
 
 
 def turn(part, particles):
@@ -259,7 +259,7 @@ def find_volumes(part):
 def begin_grid(part):
     """Find a^k and J of a grid where it is now."""
     edge(part)
-    part.grid.move(part.metrics)
+    part.grid.move()
     find_volumes(part)
 
 
@@ -270,7 +270,7 @@ def monitor(part, found, y):
         part.grid.find_volumes()
     q, metrics = owned_planes(part, y).T, part.metrics
     if part.around:
-        part.grid.bound(metrics)
+        part.grid.bound()
         metrics = part.grid.bounds
     observe(part, found, lambda own, n: seen_at(part, q, metrics, own, n))
     if part.forced:
