@@ -52,7 +52,8 @@ def test_plate(tmp_path):
     assert t[back][way[back].argmin()] == pytest.approx(1e-3 * period, rel=0.03)
 
 
-def test_water(tmp_path):
-    written(tmp_path, "mine.py", "-water")
+@pytest.mark.parametrize("kind", ["water", "channel"])
+def test_other_templates(kind, tmp_path):
+    written(tmp_path, "mine.py", f"-{kind}")
     run = kept(computed(tmp_path, "a.h5", "mine.py", "-ts_max_steps", 3), 1e-9)
     assert run.summary["steps"] == 3

@@ -128,6 +128,8 @@ def test_plot_in_the_format_of_the_name(results, tmp_path, capsys, monkeypatch):
     assert sorted(written) == sorted(map(str, (tmp_path / "run1.0").iterdir()))
     assert {f"rod-{name}.png" for name in {"T", "xt"} | CURVES} == {*map(os.path.basename, written)}
     assert {*page.pictures(run)} == USUAL
+    assert main(["plot", run.path, "-all", "-o", str(tmp_path / "all.png")]) == 2
+    assert "expected a directory" in capsys.readouterr().err
 
 
 @pytest.mark.usefixtures("quick_pictures")

@@ -31,7 +31,7 @@ def build(opt):
     air = Fluid(mu=0.0, kappa=0.0, gamma=1.4, R=287.0)  # it slips along the plate
     mu = 0.5 * YOUNG / (1.0 + POISSON)
     lam = 2.0 * mu * POISSON / (1.0 - 2.0 * POISSON)
-    # Free of stress under P0; the run tells what time steps lose of its energy: "lost energy".
+    # Free of stress under P0; the run tells what time steps lose of its energy: lost_energy.
     steel = ElasticSolid(mu, lam, 0.0, DENSITY, 470.0, p_ref=P0, law="svk", heat="elastic")
     rho, d = P0 / (air.R * T0), opt["plate_thickness"]
 

@@ -53,7 +53,9 @@ NAMES = "names"  # attribute of the group of series: their names
 LIBVER = ("v110", "v110")
 _MAGIC = b"fsipetsc checkpoint "
 _CHECKPOINT = 11  # version
-_XDMF = b'<Xdmf Version="2.0"><!-- a result of fsipetsc -->'  # what ours begin with
+_XDMF = b'<Xdmf Version="2.0"><!-- a result of fsipetsc -->'
+#: what ours begin with, also those of before 1.0
+_XDMF_OF_OURS = _XDMF, b'<Xdmf Version="2.0"><Domain><Grid Name="'
 _HEAD = 512  # bytes: HDF5 looks for its own beginning at this place, too
 
 
@@ -240,7 +242,7 @@ def write_xdmf(run: Any) -> None:
     OSError.
     """
     target = beside(run.path, ".xdmf")
-    if target.exists() and not target.read_bytes().startswith(_XDMF):
+    if target.exists() and not target.read_bytes().startswith(_XDMF_OF_OURS):
         raise FileError(f"{target}: is no XDMF of a result, and is left; {run.path} is complete")
     kind, frames = 'GridType="Collection" CollectionType', ""
     for frame, t in enumerate(run.time.tolist()):

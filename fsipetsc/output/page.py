@@ -62,6 +62,10 @@ def plot(path: str, given: Mapping[str, str]) -> str:
     )
     where, stem, done = Path(given.get("-o", os.curdir)), Path(path).stem, list[Path]()
     every, film = "-all" in given, "-animate" in given
+    endings = () if every else FILMS if film else PICTURES
+    if where.suffix in {*PICTURES, *FILMS} - {*endings}:
+        expected = " or ".join(["a directory", *endings])
+        raise InputError(f"plot: -o {where}: expected {expected}")
     with open_run(path) as run, rc_context(drawing.STYLE), np.errstate(all="ignore"):
         for name, one in pictures(run, wanted).items() if every else ():
             done.append(drawing.save(drawn(run, name, [one]), where / f"{stem}-{name}.png"))

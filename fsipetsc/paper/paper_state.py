@@ -149,9 +149,9 @@ class PaperState(State):
     def used_up(self) -> str:
         """Which gas has no points left, or too few, and where it is."""
         layer, m = self.layers[int(self.results[OFF_GRID]) - 1], self.problem.unit("m")
-        lo, hi, _, x = self._frames()[:, layer.number]
+        x = self._frames()[-1, layer.number]
         short = f"become too short (the {self.op.name} operator needs {layer.least} points)"
-        what = short if hi - lo < layer.least else "used up its points"
+        what = short if abs(x - layer.end_x) < layer.least * layer.h else "used up its points"
         where = f"its interface at x = {x:.6g}{m} and its boundary at x = {layer.end_x:.6g}{m}"
         return f"fluid {layer.layer} has {what}, with {where}"
 

@@ -80,7 +80,8 @@ def run_given(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> dict[str, 
     inherited = past.header["options"] if past else {}
     options = read_options(case, given, inherited=inherited)
     if past:
-        past.check(restart.fixed(options), restart.fixed(inherited))
+        now, before = restart.fixed(options), restart.fixed(inherited)
+        past.check(now, now | {name: before[name] for name in now.keys() & before})
     run_case(case, options, comm, past)
     return options
 
