@@ -52,6 +52,10 @@ BASES = np.concatenate([abs(EVERY), between(0.5, 2.0), 1.0 + sizes(-52, -3), bet
 RESULTS = np.concatenate([between(-745, 709.7) for _ in range(4)])  # the logarithms of powers
 PAIRS = {
     "pow": (BASES, RESULTS / np.log(BASES)),
+    "arctan2": (
+        np.concatenate([EVERY, between(-3, 3), sizes(-1074, -1000), sizes(-1074, -10)]),
+        np.concatenate([EVERY[::-1], between(-3, 3), sizes(-1074, -1000), sizes(-10, 10)]),
+    ),
     "maximum": (EVERY, EVERY[::-1]),
     "minimum": (EVERY, EVERY[::-1]),
 }

@@ -68,6 +68,7 @@ def test_a_recorded_formula_computes_what_it_does_in_python():
 
 def test_functions_that_are_made_of_others():
     x = np.random.default_rng(1).uniform(0.5, 1.0, (1, 1003))
+    assert MADE[np.cbrt](-8.0) == pytest.approx(-2.0, rel=1e-15)
     for function, formula in MADE.items():
         np.testing.assert_allclose(formula(*x), function(*x), rtol=1e-13)
         np.testing.assert_allclose(in_C(function, x), function(*x), rtol=1e-13)
@@ -188,12 +189,13 @@ from fsipetsc.kernels.procedure import unit
 from fsipetsc.process.together import libraries
 for kind in ("apart", "failing", "open"):
     os.environ["FSIPETSC_CACHE"] = f"{{kind}}{{comm.rank}}"
+    os.environ["CFLAGS"] = f"-DRANK={{comm.rank}}.0"  # as if each had a processor of its own
     build.folder.cache_clear()
     build._loaded.clear()
     if comm.rank == 1:
         build.keep(build.made(simple()))
     comm.Barrier()
-    texts = [*simple().values(), unit(f"double own(void) {{{{ return {{comm.rank}}.0; }}}}")]
+    texts = [*simple().values(), unit("double own(void) {{ return RANK; }}")]
     said = []
     if kind == "failing" and comm.rank == 0:
         texts[1] = "no C"
@@ -210,7 +212,7 @@ for kind in ("apart", "failing", "open"):
 
 
 def test_ranks_agree_on_who_compiles(tmp_path):
-    """One of three ranks has one of the libraries; each needs one more of its own. Then a compiler
+    """One of three ranks has one of the libraries; each makes those of its own flags. Then a compiler
     fails on one rank; then others can write to the folder of one rank."""
     (tmp_path / "open2").mkdir()
     (tmp_path / "open2").chmod(0o777)

@@ -132,6 +132,15 @@ WRONG = {
     "density(pressure(rho, T), T) is 2.04: expected 2": lambda: check_inverses(
         gas_law(**GAS | {"density": lambda p, T: 1.02 * p / (R * T)}), np.array([2.0]), 300.0, ""
     ),
+    "temperature(rho, internal_energy(rho, T)) is nan: expected 3": lambda: check_inverses(
+        gas_law(**GAS | {"temperature": lambda rho, e: np.sqrt(e / 717.5 - 4.0) ** 2 + 4.0}),
+        np.array([2.0, 2.0]),
+        np.array([5.0, 3.0]),
+        "",
+    ),
+    "stress is not the derivative of energy": lambda: elastic(
+        lambda F: (np.log(-(F[1] ** 2)), 0.0, 0.0, 0.0), energy=lambda F: LOG.energy(F)
+    ),
     "law is 1.4, which has no 'bulk_modulus'": lambda: gas(law=1.4),
     "(stiffened_gas), which is no NamedTuple": lambda: gas(law=stiffened_gas),
     "law: gamma is None": lambda: gas(law=stiffened_gas(None, 1.0, 0.0)),

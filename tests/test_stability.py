@@ -14,7 +14,6 @@ from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.cases.common import at_rest, constant
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid, Solid
-from fsipetsc.materials.solid_pressure import gruneisen
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.studies.modes import column_modes, modes_near, step_limit
 from fsipetsc.studies.stability import measure
@@ -30,8 +29,7 @@ def at_contact(density=2.0, stiffness=3.0, balance=1.0, **gas):
     pressure is 1, so that its stress is 0, or 0."""
     fluid = Fluid(**{"mu": 0.01, "kappa": 0.03, "gamma": 1.4, "R": 1.0, **gas})
     kappa_e = 0.02 if fluid.kappa else 0.0
-    pressing = gruneisen(balance / 2.5) if balance else None
-    return fluid, Solid(stiffness, kappa_e, density, 2.5 / density, 0.0, pressing)
+    return fluid, Solid(stiffness, kappa_e, density, 2.5 / density, gruneisen=balance / 2.5)
 
 
 @ORDERS

@@ -7,7 +7,6 @@ from fsipetsc import BlockProblem, Fluid, Option, Solid
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.checks import Array
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.materials.solid_pressure import gruneisen
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import above_one
 
@@ -55,7 +54,7 @@ def solid_of(opt: Opt, force: float = 0.0) -> Solid:
     """Return the solid of a case of layers; force [m/s2] on it."""
     conducted, G = opt.get("solid_kappa", 0.0), opt.get("solid_gruneisen", 0.0)
     numbers = opt["solid_modulus"], conducted, opt["solid_density"], opt["solid_alpha"]
-    return Solid(*numbers, force, gruneisen(G) if G else None)
+    return Solid(*numbers, force, G)
 
 
 def elastic_of(opt: Opt, p_ref: float = 1.0, **more: Any) -> ElasticSolid:

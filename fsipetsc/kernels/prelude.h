@@ -15,9 +15,10 @@
 #define NOINLINE __attribute__((noinline))
 #define INLINE static inline __attribute__((always_inline))
 
-/* Constants in two or three parts. */
+/* Constants in two or three parts. The last three bits of pi/4 are 0, so thrice it is exact. */
 static const double LN2_ = 0.6931471805599453, LN2_LOW_ = 2.3190468138462996e-17;
 static const double LOG2_E_ = 1.4426950408889634;
+static const double QUARTER_PI_ = 0.7853981633974483, QUARTER_PI_LOW_ = 3.061616997868383e-17;
 static const double HALF_PI_ = 1.5707963267948966, HALF_PI_LOW_ = 6.123233995736766e-17;
 static const double HALF_PI_LOWEST_ = -1.4973849048591698e-33, TWO_BY_PI_ = 0.6366197723675814;
 /* 1.5 2^52. x + ROUND_ has x, rounded, as its last bits, and x + ROUND_ - ROUND_ is x rounded. */
@@ -232,6 +233,40 @@ INLINE double sin_(double x) {
 INLINE double cos_(double x) {
   const struct circular_ c = circular_(x);
   return turned_(x, c.k & 1 ? c.sin.high : c.cos.high, c.k + 1);
+}
+/* arctan(a / b) = eighths pi/4 + arctan t, 0 <= a <= b: t = a / b or, behind pi/8,
+   (a - b) / (a + b). arctan t = t - t^3 P(t^2): FDLIBM's s_atan.c, its coefficients, |t| < 7/16. */
+INLINE struct sum_ arctan_part_(double a, double b, int steep) {
+  const struct sum_ difference = exact_sum_(-b, a);
+  const struct sum_ sum = exact_sum_(b, a);
+  const struct sum_ n = {steep ? difference.high : a, steep ? difference.low : 0.0};
+  const struct sum_ d = {steep ? sum.high : b, steep ? sum.low : 0.0};
+  const struct sum_ t = quotient_(n.high, n.low, d.high, d.low);
+  const double z = t.high * t.high;
+  double P = fma(z, 0.016285820115365782, -0.036531572744216916);
+  P = cubic_(z, 0.06661073137387531, -0.058335701337905735, 0.049768779946159324, P);
+  P = cubic_(z, -0.11111110405462356, 0.09090887133436507, -0.0769187620504483, P);
+  P = cubic_(z, 0.3333333333333293, -0.19999999999876483, 0.14285714272503466, P);
+  return (struct sum_){t.high, fma(-t.high * z, P, t.low)};
+}
+/* The angle of the point (x, y). Error: 1.5 ulp. */
+INLINE double arctan2_(double y, double x) {
+  const int beyond = fabs(y) > fabs(x);
+  const double larger = beyond ? fabs(y) : fabs(x);
+  const double smaller = beyond ? fabs(x) : fabs(y);
+  const double factor = larger < 1e-270 ? 0x1p120 : (larger > 1e300 ? 0x1p-4 : 1.0);
+  const double of_infinity = smaller == INFINITY ? 1.0 : 0.0 * smaller;
+  const double a = larger == INFINITY ? of_infinity : smaller * factor;
+  const double b = larger == 0.0 ? 1.0 : (larger == INFINITY ? 1.0 : larger * factor);
+  const int steep = a > 0.4142135623730951 * b;
+  const struct sum_ angle = arctan_part_(a, b, steep);
+  const double first = steep ? 1.0 : 0.0;
+  const double upper = beyond ? 2.0 - first : first;
+  const double side = copysign(1.0, x);
+  const double eighths = side < 0.0 ? 4.0 - upper : upper;
+  const double sign = beyond ? -side : side;
+  const double low = fma(eighths, QUARTER_PI_LOW_, sign * angle.low);
+  return copysign(eighths * QUARTER_PI_ + fma(sign, angle.high, low), y);
 }
 
 /* --- whole numbers and loops */

@@ -37,7 +37,7 @@ OPERATIONS: dict[Any, str] = {
     **{np.logical_and: "&", np.logical_or: "|", np.logical_not: "not"},
     **{np.bitwise_and: "&", np.bitwise_or: "|", np.invert: "not"},
     **{np.exp: "exp", np.expm1: "expm1", np.log: "log", np.log1p: "log1p"},
-    **{np.sin: "sin", np.cos: "cos", np.tanh: "tanh"},
+    **{np.sin: "sin", np.cos: "cos", np.arctan2: "arctan2", np.tanh: "tanh"},
     **{np.floor_divide: "quotient", np.remainder: "remainder_of"},
 }
 #: functions that are made of these
@@ -47,6 +47,7 @@ MADE: dict[Any, Callable[[Any], Any]] = {
     np.log10: lambda x: 0.4342944819032518 * np.log(x),
     np.cbrt: lambda x: np.sign(x) * abs(x) ** (1.0 / 3.0),
     np.tan: lambda x: np.sin(x) / np.cos(x),
+    np.arctan: lambda x: np.arctan2(x, 1.0),
     np.sinh: lambda x: 0.5 * (np.expm1(x) - np.expm1(-x)),
     np.cosh: lambda x: 0.5 * (np.exp(x) + np.exp(-x)),
 }
@@ -201,6 +202,8 @@ class Record:
         operands = tuple([one if k else self.constant(one, whole) for one, k in zip(given, kinds)])
         if operation in ("&", "|", "not") and not all(o.operation in CONDITIONS for o in operands):
             raise refuse("&, | and ~ are of conditions, as a > b, alone")
+        if operation in ("+", "-", "neg") and all(o.kind == "int" for o in operands):
+            raise refuse("conditions have no sums: write np.where(a > b, 1.0, 0.0)")
         simpler = _simplified(self, operation, operands)
         if simpler is not None:
             return simpler
@@ -297,9 +300,10 @@ _CHANGES: dict[str, Callable[..., Any]] = {
     "pow": lambda a, b, y, da, db: (
         da * (b * a ** (b - 1.0)) + (0.0 if db.value == 0.0 else y * np.log(a) * db)
     ),
+    "arctan2": lambda a, b, y, da, db: (da * b - a * db) / (a * a + b * b),
 }
 #: operations whose slopes may be infinite
-_STEEP = frozenset({"/", "sqrt", "log", "log1p", "pow"})
+_STEEP = frozenset({"/", "sqrt", "log", "log1p", "pow", "arctan2"})
 
 
 def derivatives(values: Sequence[Any], by: Symbol, still: bool = False) -> tuple[Any, ...]:

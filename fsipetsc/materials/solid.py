@@ -9,7 +9,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.materials import own
 from fsipetsc.materials.fluid import force_in
 from fsipetsc.materials.hyperelastic import LinearElastic, Log, NeoHookean, StVenantKirchhoff
-from fsipetsc.materials.solid_pressure import ConstantPressure
+from fsipetsc.materials.solid_pressure import ConstantPressure, gruneisen
 
 #: laws by name
 LAWS = {"log": Log, "neo-hookean": NeoHookean, "svk": StVenantKirchhoff, "linear": LinearElastic}
@@ -126,7 +126,7 @@ class Elastic(NamedTuple):
 class Solid:
     """The elastic material of a layer in one dimension, whose stress sigma grows as K ln x_X.
 
-    It also has a pressure p, which is 0 without a law `pressing`: the stress is sigma - p.
+    It also has a pressure p, which is 0 unless a law is given: the stress is sigma - p.
 
     Source: B. Sjögreen and J. W. Banks, Commun. Comput. Phys. 13 (2013), (3.1) and (4.19).
 
@@ -136,7 +136,8 @@ class Solid:
         m0: density in the reference state [kg/m3].
         alpha: specific heat [J/(kg K)].
         force: body force per mass [m/s2].
-        pressing: None, or a law of the pressure, such as `gruneisen` or `mie_gruneisen`.
+        gruneisen: G of the pressure p = G rho alpha T; 0: p = 0.
+        pressing: its law without gruneisen, such as `mie_gruneisen`.
     """
 
     K: float
@@ -144,17 +145,21 @@ class Solid:
     m0: float
     alpha: float
     force: float = 0.0
+    gruneisen: float = 0.0
     pressing: Any = None
 
     def __post_init__(self) -> None:
         ranges = {"K": POSITIVE, "kappa_e": NONNEGATIVE, "m0": POSITIVE, "alpha": POSITIVE}
-        numbers(self, "Solid", {**ranges, "force": ANY})
+        numbers(self, "Solid", {**ranges, "force": ANY, "gruneisen": NONNEGATIVE})
+        if self.pressing is not None and self.gruneisen != 0.0:
+            raise InputError(f"Solid: gruneisen is {self.gruneisen:g} beside pressing: expected 0")
         own.check_pressure_law(self.pressure_law, self.m0, self.alpha, "Solid: pressing")
 
     @property
     def pressure_law(self) -> Any:
-        law = ConstantPressure() if self.pressing is None else self.pressing
-        return own.checked_law(law, "Solid: pressing", own.PRESSURE)
+        if self.pressing is not None:
+            return own.checked_law(self.pressing, "Solid: pressing", own.PRESSURE)
+        return gruneisen(self.gruneisen) if self.gruneisen > 0.0 else ConstantPressure()
 
     @property
     def elastic(self) -> Elastic:

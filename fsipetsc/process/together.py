@@ -86,8 +86,8 @@ def libraries(
     comm: Comm, texts: Sequence[str], announce: Callable[[str], None] = lambda text: None
 ) -> list[ctypes.CDLL]:
     """Return the libraries of this rank's texts in C. Collective, though ranks may have other
-    texts: rank 0 compiles what a rank lacks, and sends it as bytes, so that no file system has to
-    show a new file in time.
+    texts: what ranks lack is compiled once, for its processor by a rank that has it, and sent as
+    bytes, so that no file system has to show a new file in time.
 
     announce: called on rank 0 before and after somebody compiles. InputError where there is no
     compiler, or it fails; FileError.
@@ -98,19 +98,21 @@ def libraries(
     names, made = [*map(build.name_of, texts)], dict[str, bytes]()
     text_of = dict(zip(names, texts, strict=True))
     lacks = together(comm, lambda: [name for name in text_of if build.found(name) is None])
-    gathered = comm.gather({name: text_of[name] for name in lacks}) or ()
-    wanted = {name: text for of_rank in gathered for name, text in of_rank.items()}
+    # name -> the rank that compiles it: the lowest one that lacks it
+    makers = {name: k for k, some in reversed([*enumerate(comm.allgather(lacks))]) for name in some}
     lost = ""
     if build.keeps_text and comm.rank == 0:
         in_C = {name.replace(".so", ".c"): text.encode() for name, text in text_of.items()}
         lost = build.keep(in_C)
         for name in () if lost else in_C:
             says(f"C text of kernels: {build.folder() / name}")
-    if comm.allreduce(len(lacks)):
+    if makers:
         begin = time.monotonic()
-        says(f"compiling the kernels of this case (libraries: {len(wanted)})")
+        says(f"compiling the kernels of this case (libraries: {len(makers)})")
+        mine = {name: text_of[name] for name, k in makers.items() if k == comm.rank}
         # asleep: the compilers may have this rank's core
-        made = comm.bcast(together(comm, lambda: build.made(wanted), asleep=True))
+        for of_rank in comm.allgather(together(comm, lambda: build.made(mine), asleep=True)):
+            made |= of_rank
         says(f"compiled in {time.monotonic() - begin:.1f} s")
     lost = build.keep({name: made[name] for name in lacks}) or lost
     if lost and comm.rank == 0:

@@ -29,7 +29,6 @@ from fsipetsc.cases import case_of
 from fsipetsc.cases.common import constant, gas_of, line_at_rest, materials
 from fsipetsc.checks import Array
 from fsipetsc.errors import ComputationError, InputError
-from fsipetsc.materials.solid_pressure import gruneisen
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import RUN, Option, defaults
 from fsipetsc.process.together import Comm
@@ -69,14 +68,14 @@ def stability(arguments: list[str], comm: Comm) -> None:
     study = Study(comm, arguments, OPTIONS)
     opt, coupling = study.opt, study.opt["fsi_coupling"]
     grid = opt["stability_points"], opt["fsi_h"]
-    pressing = gruneisen(1.0 / opt["solid_alpha"]) if opt["solid_eos"] == "ideal" else None
+    G = 1.0 / opt["solid_alpha"] if opt["solid_eos"] == "ideal" else 0.0
     for op in (OPERATORS[order] for order in opt["fsi_orders"]):
         if grid[0] < (least := max(4, op.min_points)):
             raise InputError(f"-stability_points {grid[0]}: the {op.name} operator needs {least}")
 
     def one(order: int, density: float, stiffness: float) -> Result:
         numbers = stiffness, opt["solid_kappa"], density, opt["solid_alpha"] / density
-        solid = Solid(*numbers, pressing=pressing)
+        solid = Solid(*numbers, gruneisen=G)
         return measure(gas_of(opt), solid, order, *grid, coupling, opt["fsi_viscous"])
 
     tasks = product(opt["fsi_orders"], opt["density_ratios"], opt["stiffness_ratios"])
