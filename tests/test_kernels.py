@@ -212,8 +212,8 @@ for kind in ("apart", "failing", "open"):
 
 
 def test_ranks_agree_on_who_compiles(tmp_path):
-    """One of three ranks has one of the libraries; each makes those of its own flags. Then a compiler
-    fails on one rank; then others can write to the folder of one rank."""
+    """One of three ranks has one of the libraries; each makes those of its own flags. Then a
+    compiler fails on one rank; then others can write to the folder of one rank."""
     (tmp_path / "open2").mkdir()
     (tmp_path / "open2").chmod(0o777)
     text = PROGRAM.format(tests=str(REPOSITORY / "tests"), root=str(REPOSITORY))
