@@ -101,9 +101,15 @@ def reason(error: BaseException) -> str:
     text = " ".join(str(getattr(error, "msg", None) or error).split())
     if isinstance(error, FsiError):
         return text
-    if isinstance(error, ModuleNotFoundError):
+    if misses_package(error):
         return f"{text}: pip install '.[solver,plot]' installs what fsipetsc needs"
     return type(error).__name__ + (f": {text[:300]}" if text else "")
+
+
+def misses_package(error: BaseException) -> bool:
+    """Whether an import did not find another package than this one."""
+    name = (error.name or "") if isinstance(error, ModuleNotFoundError) else ""
+    return name.partition(".")[0] not in ("", "fsipetsc")
 
 
 def place_in(error: BaseException) -> str:

@@ -148,7 +148,7 @@ def wave(opt: Opt) -> BlockProblem:
         parts = parts / ends[np.argmax(np.abs(ends))]
         of_gas, of_solid = polynomials(x_g, parts[:4]), polynomials(x_s, parts[4:])
         last = [np.abs(of_height.coef[-4:]).max() for of_height in (*of_gas, *of_solid)]
-        if max(last) < 1e-5 * np.abs(parts).max():
+        if max(last) < 1e-6 * np.abs(parts).max():
             break
     else:
         raise InputError("no normal mode of the layers is resolved")

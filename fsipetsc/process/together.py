@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Any, TypeVar
 
-from fsipetsc.errors import FsiError, Interrupted, clear_frames, petsc_words, reason
+from fsipetsc.errors import FsiError, Interrupted, clear_frames, misses_package, petsc_words, reason
 
 #: mpi4py.MPI.Comm, without an import, which would start MPI
 Comm = Any
@@ -132,7 +132,7 @@ def describe(error: BaseException) -> tuple[int, str, bool]:
     if isinstance(error, OSError) and error.errno is not None:
         name = f"{error.filename}: " if error.filename is not None else ""
         return 4, f"{name}{error.strerror}", False
-    if isinstance(error, ModuleNotFoundError):
+    if misses_package(error):
         return 2, reason(error), False
     if hasattr(error, "ierr"):  # PETSc has raised it
         return _PETSC_STATUS.get(error.ierr, 1), petsc_words(error), False
