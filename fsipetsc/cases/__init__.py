@@ -42,7 +42,7 @@ def case(defaults: Mapping[str, Any], *options: Option) -> Callable[[Any], Simpl
 def _named(case: Any, name: str, documented: Any) -> Any:
     """Give a case the name and the first line of a docstring, unless it has its own."""
     first = (documented.__doc__ or "").strip().partition("\n")[0].rstrip(".")
-    if documented is not case:  # a function's docstring, of a built-in case, begins a sentence
+    if name in BUILT_IN:  # as they are listed
         first = first[:1].lower() + first[1:]
     about = {"NAME": name, "SUMMARY": first, "DEFAULTS": {}}
     vars(case).update(about | vars(case))
