@@ -143,7 +143,8 @@ DISCRETISATION = (
     Option("fsi_dissipation", float, 0.0, "",
         "dissipation, times its usual size; 0: 1 where blocks are joined, else none; -1: none",
         check=lambda size: -1 <= size <= 3 or "a number from -1 to 3"),
-    Option("fsi_shock", float, 0.0, "", "the same where a sensor sees a shock; 0: none",
+    Option("fsi_shock", float, 0.0, "",
+        "dissipation where a sensor sees a shock, times its usual size; 0: none",
         check="nonnegative"),
 )  # fmt: skip
 OUTPUT = (
@@ -157,7 +158,8 @@ OUTPUT = (
 CHECKPOINTS = (
     Option("fsi_checkpoint", str, None, "", "file of checkpoints; else NAME.checkpoint.h5"),
     Option("fsi_checkpoint_steps", int, None, "", "steps between checkpoints", check="positive"),
-    Option("fsi_checkpoint_wall", float, None, "s", "wall time between them", check="positive"),
+    Option("fsi_checkpoint_wall", float, None, "s", "wall time between checkpoints",
+        check="positive"),
     Option("fsi_restart", str, None, "", "go on from a checkpoint; auto: the run's own, if any"),
 )  # fmt: skip
 RUN = (

@@ -24,7 +24,7 @@ OPTIONS = (
     Option("ring_gas", bool, True, "", "gas inside and outside; else the ring is in a vacuum"),
     Option("ring_pulse", float, 0.5, "Pa", "overpressure; else p is 1", check="nonnegative"),
     Option("ring_around", int, None, "", "cells around; default: by -fsi_h", check="positive"),
-    Option("solid_law", str, "neo-hookean", "", "its law", ("neo-hookean", "log", "svk")),
+    Option("solid_law", str, "neo-hookean", "", "law of the ring", ("neo-hookean", "log", "svk")),
 )
 DEFAULTS = {"fsi_h": 0.025, "fsi_order": 6, "ts_max_time": 3.0, "fsi_output_dt": 0.05}
 CORE, INNER, OUTER, VESSEL = 0.4, 1.0, 1.3, 2.0  # radii [m]

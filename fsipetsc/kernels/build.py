@@ -91,9 +91,9 @@ def found(name: str) -> ctypes.CDLL | None:
     """The library of this name, if it is kept, whole, and can be loaded."""
     if name not in _loaded:
         with suppress(OSError):
-            content, path = (folder() / name).read_bytes(), str(folder() / name)
+            content = (path := folder() / name).read_bytes()
             if content.endswith(_end(content[:-32])):
-                _loaded[name] = ctypes.CDLL(path)
+                _loaded[name] = ctypes.CDLL(str(path))
     return _loaded.get(name)
 
 

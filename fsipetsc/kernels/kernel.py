@@ -91,7 +91,8 @@ class Kernel:
         values = [known[name] for name in sorted(self._arguments)]
         call = f"{self.name}({', '.join(['{}'] * len(values))});"
         record.stores += 1
-        record.kernels[self.name] = self
+        same = record.kernels.setdefault(self.name, self)
+        assert same is self or same.text == self.text, f"two kernels have the name {self.name}"
         if self.counted is None:
             record.line(call, *values)
             return None

@@ -173,7 +173,10 @@ class Code:
 
     @property
     def text(self) -> str:
-        kernels = {name: one for of in self.procedures for name, one in of.kernels.items()}
+        kernels = dict[str, Any]()
+        for name, one in (pair for of in self.procedures for pair in of.kernels.items()):
+            same = kernels.setdefault(name, one)
+            assert same is one or same.text == one.text, f"two kernels have the name {name}"
         every = *kernels.values(), *self.procedures
         return unit(self._text, *(one.text for one in every))
 
