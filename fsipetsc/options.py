@@ -44,7 +44,7 @@ class Option:
         name: name without the dash, as in "solid_kappa".
         kind: int, float, str, bool, "ints" or "floats"; the last two are lists with commas.
         default: a value, None (not set) or `REQUIRED`.
-        unit: as in "kg/m3"; "" if there is none.
+        unit: as in "kg/m3"; "" or "-" if there is none.
         help: one line that `-help` prints.
         choices: the only values that are allowed.
         check: "positive", "nonnegative", or a function of the value that returns None or True if it
@@ -61,6 +61,7 @@ class Option:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "kind", getattr(self.kind, "__name__", self.kind))
+        object.__setattr__(self, "unit", "" if self.unit == "-" else self.unit)
         if self.kind not in _KINDS:
             raise TypeError(f"option {self.name!r}: expected a kind of {', '.join(_KINDS)}")
 
@@ -150,7 +151,8 @@ DISCRETISATION = (
 OUTPUT = (
     Option("fsi_output", str, None, "",
         "result file (HDF5); an earlier result is never destroyed silently",
-        check=lambda name: bool(Path(name).name) or "the name of a file"),
+        check=lambda name: bool(Path(name).name and Path(name).suffix != ".parts")
+        or "the name of a file that does not end in .parts"),
     Option("fsi_output_dt", float, None, "s", "interval of saved profiles", check="positive"),
     Option("fsi_output_times", "floats", None, "s", "times of saved profiles", check=_increasing),
     Option("fsi_probes", str, None, "m", "places of nodes to record at each step: X,Y;X,Y;…"),
@@ -188,6 +190,8 @@ PETSC_OPTIONS: tuple[Option, ...] = (
         ("none",)),
     Option("ts_ssp_type", str, "rks2", "", "method of ssp", ("rks2", "rks3", "rk104")),
 )  # fmt: skip
+#: how names of the program and of PETSc begin, which no option of a case may have
+RESERVED = "fsi_ ts_ ksp_ pc_ snes_ tao_ mat_ vec_ dm_ log_ malloc_ options_ prefix_".split()
 #: other spellings: of another release of PETSc, or deprecated there
 ALIASES = {"ts_time_step": "ts_dt", "ts_final_time": "ts_max_time"}
 
@@ -222,8 +226,12 @@ def groups(
     known = [option.name for options in sections.values() for option in options]
     taken = [name.lower() for name in (*known, *PASSED_ON, "help")]
     for name in (option.name for option in case.OPTIONS):
+        said = f"case {case.NAME}: its option -{name}"
         if taken.count(name.lower()) > 1:
-            raise InputError(f"case {case.NAME}: its option -{name} has the name of another one")
+            raise InputError(f"{said} has the name of another one")
+        if name.lower().startswith(tuple(RESERVED)) or not is_option(f"-{name}"):
+            beginnings = f"none of {', '.join(RESERVED)}, which are the program's and PETSc's"
+            raise InputError(f"{said}: expected a name that begins with a letter, and {beginnings}")
     for name in [name for name in case.DEFAULTS if name not in known][:1]:
         hint = _nearest(str(name), known)
         raise InputError(f"case {case.NAME}: DEFAULTS has {name!r}, which is no option{hint}")

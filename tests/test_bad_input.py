@@ -47,6 +47,7 @@ LINES = [
     ("convergence rod -fsi_hs 0.1,0.05", 2, "rod has no exact solution: its grids are compared"),
     ("stability -stability_points 10", 2, "6/3"),
     # files
+    ("rod -fsi_output x.parts", 2, "-fsi_output: expected the name of a file that does not end in"),
     ("rod -fsi_output no/such/x.h5", 4, "no/such: No such file or directory"),
     ("rod -fsi_output /proc/x.h5", 4, "no file can be written in the directory /proc: "),
     ("rod -fsi_output b.h5 -fsi_checkpoint b.h5", 2, "b.h5…that is where the result goes"),
@@ -100,6 +101,7 @@ LATER = ', forcing=lambda X, t: (0.0, 0.0 if t < 1.5e-5 else float("nan"), 0.0)'
 FAULTS = {
     "syntax": ("def build(opt):", "def build(opt:", ("case file faulty.py", "LINE")),
     "no return": ("return Problem(", "Problem(", ("nothing", "Problem")),
+    "an option": ('Option("plate_density"', 'Option("ts_time_step"', ("-ts_time_step", "none of")),
     "a material": ("gamma=GAMMA", "gamma=1", ("LINE", "gamma is 1", "above 1")),
     "not a number": (
         "speed * (END - X)",

@@ -13,7 +13,7 @@ CASE = SimpleNamespace(
     SUMMARY="a stub",
     OPTIONS=(
         options.Option("solid_parts", "ints", (1, 2), "", "parts"),
-        options.Option("solid_law", str, "linear", "", "law", ("linear", "cubic")),
+        options.Option("solid_law", str, "linear", "-", "law", ("linear", "cubic")),
     ),
     DEFAULTS={"fsi_h": 0.0125, "ts_max_time": 2, "fsi_output_dt": 0.02},
 )
@@ -40,7 +40,7 @@ def test_every_type_is_converted_and_long_lists_and_blanks_arrive_whole(read):
     opt = read([*text.split(), "-fsi_output_times", listed, "-fsi_output", name])
     assert (opt["fsi_order"], opt["fsi_h"], opt["fsi_quiet"]) == (6, 1e-3, True)
     assert (opt["solid_parts"], opt["solid_law"], opt["fsi_output"]) == ((3, -4), "cubic", name)
-    assert opt["fsi_output_times"] == tuple(times)
+    assert opt["fsi_output_times"] == tuple(times) and CASE.OPTIONS[1].unit == ""
 
 
 def test_options_of_petsc_are_accepted(read):
