@@ -63,7 +63,7 @@ class BlockPart(Part):
         self.faces: Any = None
         self._find_faces()
         self.terms: tuple[Any, ...] = (self.faces,) * bool(self.faces)
-        self.reads_ghosted = bool(self.terms)
+        self.reads_ghosted = bool(self.terms) or part.signs.size > 0
         self.forcing, self.forced = None, any(self.laws.force)
         if block.forcing is not None:
             self.forcing = np.zeros((len(names_of(block.kind, "forcing", d)), self.owned.size))

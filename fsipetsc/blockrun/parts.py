@@ -23,7 +23,7 @@ from fsipetsc.scheme import solid_procedures as of_solid
 from fsipetsc.scheme.dissipation import AT_SHOCKS, GasDamping, SolidDamping, sigma_of
 from fsipetsc.scheme.faces import normals
 from fsipetsc.scheme.gas_sweep import GasSweep, gas_kernels
-from fsipetsc.scheme.gas_terms import CONSERVED, add_force, add_radial, convection_of
+from fsipetsc.scheme.gas_terms import CONSERVED, add_force, convection_of
 from fsipetsc.scheme.monitor import COLUMNS, MONITORED
 from fsipetsc.scheme.part import images, rates
 from fsipetsc.scheme.solid_sweep import SolidSweep, solid_kernels
@@ -52,8 +52,8 @@ class GasPart(BlockPart):
             damping = GasDamping(order // 2, part.bands, self.block.cells, *given)
             self.terms = damping, *self.terms
         self.add_sources(add_force, of_gas.supply)
-        self.added = damps or self.around or self.forced or self.forcing is not None
-        self.reads_ghosted = self.reads_ghosted or damps or self.around
+        self.added = damps or self.forced or self.forcing is not None
+        self.reads_ghosted = self.reads_ghosted or damps
         #: J of the reference map, over which that of the solution is saved and monitored
         self.reference, self.J = np.zeros((2, self.owned.size))
         self.places = self.X.copy()
@@ -65,10 +65,7 @@ class GasPart(BlockPart):
         self.volume = GasSweep(self.laws, self.d, made, self.bands, self.patch)
         potential = self.volume.potential
         potential[:] = -dot(self.laws.force, self.X)[: potential.size]
-        adds = (of_gas.add_ends,) * self.moves + (add_radial,) * self.around
-        self.terms = adds + self.terms
-        room = np.zeros(((self.d + 1) ** 2, self.X.shape[1])) if material.mu else None
-        self.hoops = room if self.around else None
+        self.terms = (of_gas.add_ends,) * self.moves + self.terms
         self.room = np.zeros((MONITORED + len(vars(self.columns)), COLUMNS))
         self.masses, self.ends = self.H, self._ends()
         moving = OF_MOVING_GAS if self.moves else ()
@@ -182,7 +179,7 @@ class SolidPart(BlockPart):
         members = slice(None) if about.system.record.stores else slice(0)
         self.rows_of_stored, nodes, _ = (of[members] for of in about.system.own(self.k))
         self.stored_at = self.patch.ghosted_rows(self.rows(nodes))
-        self.reads_ghosted |= bool(dissipation) or part.signs.size > 0 or nodes.size > 0
+        self.reads_ghosted |= bool(dissipation) or nodes.size > 0
         ends = []  # in one dimension
         for number in range(len(self.problem.interfaces) if d == 1 else 0):
             for k, *face in self.problem.interface_faces(number):

@@ -12,7 +12,7 @@ D_k of summation by parts,
     source S  = sum_k D_k a^k_2;  sum_k D_k a^k_1 = 0
 
 A pressure p that is the same everywhere gives p S to the momentum along r; so much is added again
-(fsipetsc.scheme.gas_terms). J_t is what two-point fluxes let through a node that moves (radial Gas
+(fsipetsc.scheme.gas_sweep). J_t is what two-point fluxes let through a node that moves (radial Gas
 of fsipetsc.equations.gas). Beside an axis, where A has a kink, D along r has weights of its own
 (AXIS of fsipetsc.operators.bands).
 """

@@ -100,8 +100,9 @@ class Gas(NamedTuple):
     law, transport: as in fsipetsc.materials. mu: viscosity [Pa s], kappa: conductivity [W/(m K)];
     the transport law multiplies both. force: (d,) body force per mass [m/s2].
 
-    radial: around an axis or a centre, along which r is the last coordinate. With A = |r|^kappa,
-    a^k = (b^k_1, A b^k_2) and w = (v_1, A v_2), in one dimension their last numbers,
+    around: a zero for each hoop, around an axis or a centre, along which r is the last coordinate.
+    With A = |r|^kappa, a^k = (b^k_1, A b^k_2) and w = (v_1, A v_2), in one dimension their last
+    numbers,
 
         g = (b_l . w_r + b_r . w_l)/2,    J_t = sum_k (b^k . D_k w + w . D_k b^k)
 
@@ -113,7 +114,7 @@ class Gas(NamedTuple):
     mu: float
     kappa: float
     force: tuple[float, ...]
-    radial: bool = False
+    around: Any = ()
 
     def primitive(self, q):
         """w of q = (J, J rho, J rho u, J E)."""
@@ -145,11 +146,11 @@ class Gas(NamedTuple):
 
     def of_grid(self, like):
         """As many numbers as v has: what is known of the grid at a node beside its area vectors."""
-        return (*like, 0.0) if self.radial else like
+        return (*like, 0.0) if self.around else like
 
     def volume_flux(self, a_l, v_l, a_r, v_r):
         """g of two nodes, from their area vectors and velocities of the grid."""
-        if self.radial:
+        if self.around:
             A_l, A_r = v_l[-1] + 1e-300, v_r[-1] + 1e-300  # A is 0 beyond the ends of rows
             v_l, v_r = last_times(A_l / A_r, v_l[:-1]), last_times(A_r / A_l, v_r[:-1])
         return 0.5 * (dot(a_l, v_r) + dot(a_r, v_l))
@@ -227,11 +228,15 @@ class Gas(NamedTuple):
         and (dT/T)^2/(gamma - 1)."""
         return abs(dot(change, dU) * w[2] / self.law.bulk_modulus(w[0], w[2]))
 
-    def viscous_stress(self, w, scaled, inverse):
-        """The tensor tau [Pa]; scaled: the tensor grad (u/T), inverse: grad (-1/T)."""
+    def viscous_stress(self, w, scaled, inverse, e=0.0):
+        """The tensor tau [Pa], and tau of a hoop; scaled: the tensor grad (u/T), inverse: grad
+        (-1/T), e: the rates of all hoops together [1/s].
+        """
         G = scale(w[2], add(scaled, outer(w[3:-2], inverse)))
         mu = self.mu * self.transport.viscosity(w[2])
-        return add_unit(-2.0 / 3.0 * mu * trace(G), scale(mu, add(G, transpose(G))))
+        spread = -2.0 / 3.0 * mu * (trace(G) + e if self.around else trace(G))
+        tau = add_unit(spread, scale(mu, add(G, transpose(G))))
+        return tau, spread + 2.0 * mu * e / len(self.around) if self.around else 0.0
 
     def conduction(self, w, inverse):
         """kappa grad T [W/m2], from grad (-1/T)."""

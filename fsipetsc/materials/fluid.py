@@ -64,7 +64,7 @@ class Fluid:
     def equations(self, d: int, symmetry: int = 0) -> Gas:
         """Its equations, also around an axis or a centre; InputError if force has not d numbers."""
         laws, force = (self.gas_law, self.transport_law), force_in(self.force, d, "Fluid")
-        return Gas(*laws, self.mu, self.kappa, force, bool(symmetry))
+        return Gas(*laws, self.mu, self.kappa, force, (0.0,) * symmetry)
 
 
 def force_in(force: Any, d: int, owner: str) -> tuple[float, ...]:

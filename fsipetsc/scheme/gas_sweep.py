@@ -8,6 +8,15 @@ The weight of a node is the product of those along all axes; S_il of a pair alon
 fsipetsc.operators.bands times the weights along the other axes. The fluxes are those of
 fsipetsc.equations.gas.
 
+Around an axis (kappa = 1) or a centre (2) fluxes through the areas a^k = (b^k_1, A b^k_2), A =
+|r|^kappa, leave out what acts around it. With S of fsipetsc.blocks.grid, the momentum along r gets
+
+    (p - tau_o) S,    tau_o = mu (2 e/kappa - 2/3 (div + e)),    e = u_r S/J
+
+where e is the sum of the rates of all hoops, and is part of the divergence div + e in tau, too.
+Energy has no source. p S is sum_k D_k (a^k p) of a uniform p, so rest is kept; what p S does to the
+entropy cancels what sum_k D_k a^k leaves of the fluxes; viscosity makes entropy at each node.
+
 The flux of a pair is computed once and added to both of its nodes. The sum of the lower node
 belongs to the row at work; that of the upper node waits in a row of its own. The fluxes reach a
 node in an order that does not depend on how a block is cut, so neither do the bits of its rate. The
@@ -54,8 +63,8 @@ def _spans(S: Array, begin: int, end: int) -> Array:
 
 class GasSweep(Sweep):
     """The sweep of a part of a block. A row has the primitive variables w of its nodes, and sums of
-    upper nodes of pairs; in a viscous gas J, too, the entropy variables z whose derivatives are
-    taken, and the fluxes s = a^k . f_v of each axis k.
+    upper nodes of pairs; in a viscous gas J, too, p - tau_o around an axis, the entropy variables z
+    whose derivatives are taken, and the fluxes s = a^k . f_v of each axis k.
 
     steps: (n, 2) stages and layers (fsipetsc.scheme.sweep.order). spans: see `_spans`. low: (sums,
     ROW) sums of lower nodes of the row at work. per_weight: 1 over the weights along the first
@@ -83,7 +92,8 @@ class GasSweep(Sweep):
         """Store the rates of the owned nodes, or what becomes of them (fsipetsc.scheme.sweep), in
         f; y, q: planes of the owned nodes, and of all with a halo.
         """
-        self.begin(part, found, y, q, f)
+        around = {"source": part.grid.source.reshape(1, part.X.shape[1])} if part.around else {}
+        self.begin(part, found, y, q, f, **around)
         self.weight = in_order([part.weight[k] for k in range(3)], self.d)
         far = 1 + self.kernels.viscous
         viscous = [(partial(self.run, self.kernels.fluxes), 1, 1)] * self.kernels.viscous
@@ -169,13 +179,13 @@ def gas_kernels(
         load=_load(gas, d, viscous, sums + moves),
         near_pairs=_pair(gas, d, form, viscous, moves, True),
         far_pairs=_pair(gas, d, form, viscous, moves, False) if form.entropy else None,
-        rates=_rates(d, sums, moves),
+        rates=_rates(gas, d, sums, moves, d + 6 if viscous else 1),
         ends=ends_of(d + 3),
         dof=d + 3,
         fluxes=tuple(_viscous(gas, d, of) for of in ((0, near[1]), near) if viscous),
         viscous=viscous,
         raises=form.raises,
-        numbers=d + 5 + viscous,
+        numbers=d + 5 + viscous * (1 + bool(gas.around)),
         sums=sums + moves,
     )
 
@@ -231,12 +241,17 @@ def _pair(gas: Any, d: int, form: Form, viscous: bool, moves: bool, near: bool) 
     return kernel
 
 
-def _rates(d: int, sums: int, moves: bool) -> Kernel:
+def _rates(gas: Any, d: int, sums: int, moves: bool, push: int) -> Kernel:
+    """push: where w has what acts around an axis."""
     kernel = Kernel("gas_rates", "J_t, the rates of J rho, J rho u, J E, the force, of a row.")
     of_row, (of_node,) = kernel.number("of_row"), kernel.read("of_node", ROWS, 1)
     total = add(*(kernel.read(name, ROWS, sums + moves) for name in ("low", "high")))
     total = scale(of_row * of_node, total)
-    kernel.store("k", ROWS, (total[-1] if moves else 0.0, *total[: d + 2]))
+    mass, *momentum, energy = total[: d + 2]
+    if gas.around:
+        (p,), (source,) = kernel.read("w", ROWS, 1, push), kernel.read("source", PLANES, 1)
+        momentum[-1] = momentum[-1] + p * source
+    kernel.store("k", ROWS, (total[-1] if moves else 0.0, mass, *momentum, energy))
     if sums > d + 2:
         kernel.store("supplied", f"{{c}} + {{i}} * {d + 1}", (*total[d + 2 : sums], 0.0))
     return kernel
@@ -254,7 +269,10 @@ def _viscous(gas: Any, d: int, near: Near) -> Kernel:
     for D_z, area in zip(slopes[1:], areas[1:], strict=True):
         scaled, inverse = add(scaled, outer(D_z[:-1], area)), along(inverse, D_z[-1], area)
     scaled, inverse = scale(1.0 / J, scaled), scale(1.0 / J, inverse)
-    stress, heat = gas.viscous_stress(w, scaled, inverse), gas.conduction(w, inverse)
+    e = w[2 + d] * kernel.read("source", PLANES, 1)[0] / J if gas.around else 0.0
+    (stress, of_hoop), heat = gas.viscous_stress(w, scaled, inverse, e), gas.conduction(w, inverse)
+    if gas.around:
+        kernel.store("w", ROWS, (w[1] - of_hoop,), d + 6)
     for k, area in enumerate(areas):
         kernel.store("s", ROWS, gas.viscous_flux(w, stress, heat, area), k * (d + 1))
     return kernel

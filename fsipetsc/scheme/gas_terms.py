@@ -1,5 +1,5 @@
-"""What a gas has beside its sweep: which flux two nodes exchange, a constant force, what acts
-around an axis; what is done with a rank's part of a block in a step.
+"""What a gas has beside its sweep: which flux two nodes exchange, a constant force; what is
+done with a rank's part of a block in a step.
 
 A constant force b, such as gravity, acts node by node or pair by pair. Node by node, J rho b and
 its power are added to the rates. A gas at rest then stays so to the order of the scheme only, and
@@ -25,17 +25,6 @@ both nodes, as a pair does, so rest is kept whatever alpha is. The flux of Lax a
 the states of both nodes, moved in the force to their mean potential at their own temperatures,
 which are equal in a gas at rest. Their entropy variables differ by c, so c . (U*_m+1 - U*_m) > 0.
 
-Around an axis (kappa = 1) or a centre (2) fluxes through the areas a^k = (b^k_1, A b^k_2), A =
-|r|^kappa, leave out what acts around it. With S of fsipetsc.blocks.grid, the momentum along r gets
-
-    (p - tau_o) S,    tau_o = mu (2 e/kappa - 2/3 (div + e)),    e = u_r S/J
-
-where e is the sum of the rates of all hoops, and div = 1/J sum_k a^k . D_k u is found by entropy
-variables. As e is part of the divergence, the flux of momentum through a^k gets -2/3 mu e a^k, and
-that of energy u times as much. Energy has no source. p S is sum_k D_k (a^k p) of a uniform p, so
-rest is kept; what p S does to the entropy cancels what sum_k D_k a^k leaves of the fluxes;
-viscosity makes entropy at each node.
-
 The monitor bounds the next step:
 
     convection   sum_k (|a^k . (u - v)| + c |a^k|) / (J h_k)
@@ -52,9 +41,9 @@ from fsipetsc.kernels.arrays import column, row
 from fsipetsc.kernels.loops import each
 from fsipetsc.materials.stiffened_gas import PerfectGas, stiffened_gas
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
-from fsipetsc.scheme.faces import add_areas, slope_at, turn_plane
+from fsipetsc.scheme.faces import add_areas, turn_plane
 from fsipetsc.scheme.monitor import along_axes, moment, note_potential, observe
-from fsipetsc.scheme.part import area, book, gas_at, moving, owned_planes
+from fsipetsc.scheme.part import area, book, moving, owned_planes
 
 #: laws whose entropy the two-point flux of fsipetsc.equations.gas conserves
 CONSERVED = PerfectGas, stiffened_gas
@@ -129,55 +118,6 @@ def add_force(part, q, ghosted, rates, gain):
         return *force, power
 
     gain.work[0] += book(part, gain, pushed)
-
-
-def add_radial(part, own, q, rates, gain):
-    """Add the terms at the head of this file; q: (N, d + 3) ghosted, rates: (M, d + 3).
-
-    part.grid: see fsipetsc.blocks.grid. part.hoops: ((d + 1)^2, N) for u/T and -1/T, and for
-    the viscous fluxes of hoops along each axis; None in a gas without viscosity.
-    """
-    source, d = part.grid.source, len(part.like)
-    if part.hoops is not None:
-        find_hoops(part, q)
-    for i in each(rates.shape[0]):
-        n = part.patch.ghosted_rows(i)
-        w = gas_at(part, q, n)
-        rates[i, 1 + d] += w[1] * source[n]
-        if part.hoops is not None:
-            for c, value in enumerate(hoop_rates(part, w, q[n, 0], n)):
-                rates[i, 2 + c] += value
-
-
-def hoop_rates(part, w, J, n):
-    """Return what viscous stresses around the axis do to momentum and energy of a node."""
-    gas, d, like_z, source = part.laws, len(part.like), (*part.like, 0.0), part.grid.source
-    u, T, spread, fluxes = gas.velocity(w), w[2], 0.0, like_z
-    for k in range(d):
-        a = area(part, k, n)
-        slope, flux = (
-            slope_at(part, n, k, lambda n, at=at: column(like_z, part.hoops, n, at), own)
-            for at, own in ((0, -1.0), ((k + 1) * (d + 1), 1.0))
-        )
-        spread, fluxes = spread + dot(a, u) * slope[-1] + dot(a, slope[:-1]), add(fluxes, flux)
-    div, e = T / J * spread, u[-1] * source[n] / J
-    mu = gas.mu * gas.transport.viscosity(T)
-    push = mu * (2.0 * e / len(part.grid.hoops) - 2.0 / 3.0 * (div + e)) * source[n]
-    return *fluxes[: d - 1], fluxes[d - 1] - push, fluxes[d]
-
-
-def find_hoops(part, q):
-    """Fill the room with entropy variables and with the viscous fluxes of hoops."""
-    gas, d, room = part.laws, len(part.like), part.hoops
-    for n in each(part.grid.source.size, vector=True):
-        w = gas_at(part, q, n)
-        mu = gas.mu * gas.transport.viscosity(w[2])
-        stress = -2.0 / 3.0 * mu * w[2 + d] * part.grid.source[n] / q[n, 0]
-        room[:, n] = gas.entropy_variables(w)
-        for k in range(d):
-            a = area(part, k, n)
-            power = stress * dot(a, gas.velocity(w))
-            room[(k + 1) * (d + 1) :, n] = *scale(stress, a), power
 
 
 # procedures of a part in a step

@@ -20,7 +20,7 @@ the ghosted array, in d dimensions it has
     room: of fsipetsc.scheme.monitor.survey. columns: name -> where a series begins in the record of
     a step.
 
-    Of a gas: form: of convection. around, hoops: see fsipetsc.scheme.gas_terms. column: of its
+    Of a gas: form: of convection. around: whether it is around an axis. column: of its
     mass in what comes in. places: (d, N) where the monitor finds the nodes. ends: nodes at the ends
     of axes, one at an edge once for each axis: at, own, axis: (n,) numbers in the ghosted array and
     among the owned nodes, axis; factor: sign of the outward normal over the weight of the axis.
