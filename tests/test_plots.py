@@ -15,7 +15,7 @@ from matplotlib.transforms import Bbox
 from PIL import Image
 
 from fsipetsc.cli import main
-from fsipetsc.output import drawing, page, quantities
+from fsipetsc.output import drawing, page
 from fsipetsc.output.reader import open_run
 
 PRESSED = "-fsi_coupling projection -solid_gruneisen 0.01"
@@ -66,7 +66,7 @@ def test_drawn_pressure_is_what_gas_and_solid_have_in_common(results):
     """The gas's p, and p − σ of the solid, which meet at the interfaces."""
     run = results["rod"]
     figure = figure_of(run, "p")
-    frames = drawing.frames_of(run, quantities.chosen(run, ["p"])[0])
+    frames = drawing.frames_of(run, "p")
     for axes, frame in zip(figure.axes, frames):
         assert axes.get_title(loc="left") == drawing.moment(run, frame)
         for line, layer in zip(axes.lines, run.layers, strict=True):
@@ -82,8 +82,8 @@ def test_drawn_pressure_is_what_gas_and_solid_have_in_common(results):
 def test_maps_are_on_the_grid(results):
     run = results["blast"]
     assert {*page.pictures(run)} == IN_PLANE
-    quantity, last = quantities.chosen(run, ["p"])[0], run.nframes - 1
-    view, axes = drawing.View(run, quantity, [0, last]), Figure().subplots()
+    last = run.nframes - 1
+    view, axes = drawing.View(run, "p", [0, last]), Figure().subplots()
     view.draw(axes, last)
     edges = [line.get_xydata() for line in axes.lines if line.get_linewidth() > 0.5]
     for drawn, layer in zip(axes.collections, run.layers, strict=True):

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fsipetsc.checks import Array
-from fsipetsc.output.quantities import GAINS, unit_of
+from fsipetsc.output.quantities import unit_of
 from fsipetsc.output.reader import Layer, Run, open_run
+from fsipetsc.scheme.observables import GAIN, SERIES
 
 
 @dataclass(frozen=True)
@@ -72,27 +73,12 @@ def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Co
     Raises:
         FileError: one of them cannot be read.
     """
-    with open_run(first) as a, open_run(second) as b:
-        notes: list[str] = []
-        found = [*_of_layers(a, b, notes), *_of_series(a, b, notes)]
-        names = sorted({*a.options, *b.options} - {"fsi_output"})
-        pairs = {name: (a.options.get(name), b.options.get(name)) for name in names}
-        changed = {name: (one, two) for name, (one, two) in pairs.items() if one != two}
-        return Comparison(tuple(_on_one_scale(found)), tuple(notes), changed)
-
-
-def _on_one_scale(found: list[Difference]) -> Iterator[Difference]:
-    """Return the differences with one scale for all that has one unit: fields of pure round-off get
-    that of other fields, and velocities at least sqrt(p/rho). Times and what has no known unit keep
-    their own.
-    """
-    scales, units = dict[str, float](), [unit_of(one.name.rpartition(": ")[2]) for one in found]
-    units = [one.name if unit in ("", "s") else unit for one, unit in zip(found, units)]
-    for unit, one in zip(units, found):
-        scales[unit] = max(scales.get(unit, 0.0), one.scale)
-    if density := scales.get("kg m-3"):
-        scales["m s-1"] = max(scales["m s-1"], math.sqrt(scales["Pa"] / density))
-    return (replace(one, scale=scales[unit]) for unit, one in zip(units, found))
+    a, b, notes = open_run(first), open_run(second), list[str]()
+    found = [*_of_layers(a, b, notes), *_of_series(a, b, notes)]
+    names = sorted({*a.options, *b.options} - {"fsi_output"})
+    pairs = {name: (a.options.get(name), b.options.get(name)) for name in names}
+    changed = {name: (one, two) for name, (one, two) in pairs.items() if one != two}
+    return Comparison(tuple(_on_one_scale(found)), tuple(notes), changed)
 
 
 def diff(first: str, second: str) -> str:
@@ -113,13 +99,25 @@ def diff(first: str, second: str) -> str:
     return "\n".join(lines)
 
 
+def _on_one_scale(found: list[Difference]) -> Iterator[Difference]:
+    """Return the differences with one scale for all that has one unit: fields of pure round-off get
+    that of other fields, and velocities at least sqrt(p/rho). Times and what has no known unit keep
+    their own.
+    """
+    scales, units = dict[str, float](), [unit_of(one.name.rpartition(": ")[2]) for one in found]
+    units = [one.name if unit in ("", "s") else unit for one, unit in zip(found, units)]
+    for unit, one in zip(units, found):
+        scales[unit] = max(scales.get(unit, 0.0), one.scale)
+    if density := scales.get("kg m-3"):
+        scales["m s-1"] = max(scales["m s-1"], math.sqrt(scales["Pa"] / density))
+    return (replace(one, scale=scales[unit]) for unit, one in zip(units, found))
+
+
 def _difference(name: str, a: Array, b: Array, times: Array, places: Array | None) -> Difference:
     """Compare arrays (times, nodes or columns); two NaNs are equal. places: of the nodes."""
     gap = np.where((a == b) | (np.isnan(a) & np.isnan(b)), 0.0, np.abs(a - b))
     gap = np.where(np.isnan(gap), np.inf, gap)
     scale = max(float(np.abs(v[np.isfinite(v)]).max(initial=0.0)) for v in (a, b))
-    if not gap.any():
-        return Difference(name, 0.0, scale, "")
     step, k = np.unravel_index(np.argmax(gap), gap.shape)
     at = f", column {k}" * (a.shape[1] > 1)
     if places is not None:
@@ -147,10 +145,9 @@ def _of_layers(a: Run, b: Run, notes: list[str]) -> Iterator[Difference]:
     for name in _both(a.blocks, b.blocks, "layer", notes) if len(times) else ():
         layer, other = a.blocks[name], b.blocks[name]
         here, there = common_nodes(layer, other, notes)
-        if not len(here):
-            continue
         places = layer.places.reshape(-1, len(layer.shape))[here]
-        for field in _both(layer.fields, other.fields, f"{name}: field", notes):
+        fields = _both(layer.fields, other.fields, f"{name}: field", notes)
+        for field in fields if len(here) else ():
             one = layer[field][in_a].reshape(len(times), -1)[:, here]
             two = other[field][in_b].reshape(len(times), -1)[:, there]
             if layer.shape != other.shape:  # active parts of two grids end at other nodes
@@ -164,12 +161,11 @@ def _of_series(a: Run, b: Run, notes: list[str]) -> Iterator[Difference]:
     times, in_a, in_b = _common(t, other_t, "steps", notes)
     same = len(times) == len(t) == len(other_t)
     for name in names if len(times) else ():
-        one, two = a.series[name][in_a], b.series[name][in_b]
-        if one.shape != two.shape:
-            notes.append(f"series {name} has the shapes {one.shape} and {two.shape}")
-        elif same or name not in GAINS:
-            one, two = (of.reshape(len(times), -1) for of in (one, two))
-            yield _difference(name, one, two, times, None)
+        one, two = (of.reshape(len(of), -1) for of in (a.series[name], b.series[name]))
+        if one.shape[1] != two.shape[1]:
+            notes.append(f"series {name} has {one.shape[1]} and {two.shape[1]} columns")
+        elif same or SERIES[name].kind != GAIN:
+            yield _difference(name, one[in_a], two[in_b], times, None)
 
 
 def common_nodes(a: Layer, b: Layer, notes: list[str]) -> tuple[Array, Array]:

@@ -5,7 +5,6 @@ In three dimensions the maps are those of the plane in the middle of the blocks'
 colours are those of Okabe and Ito, which eyes that do not tell red from green tell apart.
 """
 
-import os
 import textwrap
 from collections.abc import Sequence
 from itertools import chain, product
@@ -16,22 +15,17 @@ import numpy as np
 
 from fsipetsc.checks import Array, counted
 from fsipetsc.output.file_layout import writing
-from fsipetsc.output.quantities import Quantity, is_si, unit_of, written
+from fsipetsc.output.quantities import FIELDS, is_si, labelled, there, unit_of, values_of
 from fsipetsc.output.reader import Layer, Run
 
 Axes = Figure = Any  # of matplotlib, without which results are read, too
 
 BLUE, RED, GREEN, ORANGE, BLACK = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#222222"
 COLORS = {"fluid": BLUE, "solid": RED}
-#: quantity -> its colour map, where it has no sign
-PLAIN = {"rho": "cividis", "T": "inferno", "schlieren": "gray_r"}
+#: quantity that has no sign -> its colour map
+PLAIN = {"p": "viridis", "rho": "cividis", "T": "inferno", "schlieren": "gray_r"}
 #: of lines on maps, seen on any colour
 OUTLINE = ("white", 1.8), ("black", 0.8)
-#: colours and line styles of curves in one panel, in turn
-CURVES = {
-    "color": [BLACK, ORANGE, BLUE, GREEN, "#cc79a7"] * 4,
-    "linestyle": ["-", "--", "-.", ":"] * 5,
-}
 #: inches: width of all panels beside each other; height of a panel at most, of what stands above
 #: and below it, of a colour bar with its label
 WIDTH, HIGHEST, ABOVE, BAR = 10.2, 4.4, 0.4, 0.72
@@ -70,9 +64,8 @@ STYLE: dict[Any, Any] = {
 }
 
 
-def save(figure: Figure, target: str | os.PathLike[str]) -> Path:
+def save(figure: Figure, path: Path) -> Path:
     """Write a figure, in the format that the name ends with. FileError where it cannot be."""
-    path = Path(target)
     with writing(path):
         figure.savefig(path, bbox_inches="tight")  # layouts of wide maps cut labels off else
     return path
@@ -89,11 +82,6 @@ def of_run(run: Run, what: str) -> str:
     nodes = sum(np.isfinite(x).sum() for x in at_end)  # points in reserve are no nodes
     ranks = counted(run.summary["ranks"], "rank") + ", unfinished" * (not run.complete)
     return f"{run.case}, {what}  (order {run.options['fsi_order']}, {nodes:,} nodes, {ranks})"
-
-
-def labelled(run: Run, label: str, unit: str) -> str:
-    """Return a label with the unit in brackets, where there is one."""
-    return f"{label}  [{unit}]" if unit and is_si(run) else label
 
 
 def moment(run: Run, frame: int) -> str:
@@ -131,9 +119,6 @@ def legend_above(axes: Axes, side: str = "left") -> None:
     axes.legend([*entries.values()][:5], shown, **corner, **more)
 
 
-# fields
-
-
 class Wanted(NamedTuple):
     """What the options of `plot` ask for; contours: how many lines."""
 
@@ -149,20 +134,18 @@ USUAL = Wanted()
 class View:
     """A quantity of a run at some frames, and what all of its panels have in common.
 
-    layers   those that have the quantity, and in two and three dimensions solids
-    scales   label of the quantity in gas or solid -> colour map and range, for frames after the
-             start
+    labels   kind of layer that has the quantity -> label
+    layers   those that have it, and in two and three dimensions solids
+    scales   label -> colour map and range, for frames after the start
     limits   (left, right), (lower, upper) of a panel
-    labels   of its two axes
+    axes     labels of its two axes
     ratio    its width over its height
     """
 
-    def __init__(
-        self, run: Run, quantity: Quantity, frames: Sequence[int], wanted: Wanted = USUAL
-    ) -> None:
-        self.run, self.quantity, self.wanted, self.frames = run, quantity, wanted, [*frames]
-        self.plane = run.dimension > 1
-        kinds = {*quantity.labels, *["solid"] * self.plane}
+    def __init__(self, run: Run, name: str, frames: Sequence[int], wanted: Wanted = USUAL) -> None:
+        self.run, self.name, self.wanted, self.frames = run, name, wanted, [*frames]
+        self.plane, self.labels, self.unit = run.dimension > 1, there(run)[name], FIELDS[name][1]
+        kinds = {*self.labels, *["solid"] * self.plane}
         self.layers = [layer for layer in run.layers if layer.kind in kinds]
         known = [[self.at(layer, k) for k in self.frames] for layer in self.layers]
         *ranges, (low, high) = np.array([extremes(*along) for along in zip(*chain(*known))])
@@ -171,13 +154,14 @@ class View:
         last = labelled(run, last, "m")
         if self.plane:
             margin = MARGIN * np.ptp(ranges, axis=1).max() * np.array([-1.0, 1.0])
-            self.limits, self.labels = [*(ranges + margin)], (labelled(run, "x", "m"), last)
+            self.limits, self.axes = [*(ranges + margin)], (labelled(run, "x", "m"), last)
             self.ratio = float(np.ptp(self.limits[0]) / np.ptp(self.limits[1]))
         else:
             margin = 2 * MARGIN * (high - low) or 0.1 * abs(low) or 1.0
             self.limits = [ranges[0], np.array([low - margin, high + margin])]
-            title = labelled(run, quantity.title, quantity.unit)
-            self.labels, self.ratio = (last, title.replace("; ", ",\n")), 1.6
+            title = "; ".join(dict.fromkeys(self.labels.values()))
+            title = labelled(run, title, self.unit).replace("; ", ",\n")
+            self.axes, self.ratio = (last, title), 1.6
 
     def at(self, layer: Layer, frame: int, more: str = "") -> list[Array]:
         """Return places of a frame, horizontal ones and of maps vertical ones, more fields, and
@@ -186,10 +170,8 @@ class View:
         """
         fields = layer.frame(frame)
         found = [fields[x] for x in ("x", "xy", "xz")[self.run.dimension - 1] + more]
-        if layer.kind in self.quantity.labels:
-            found.append(self.quantity.values(layer, fields))
-        else:
-            found.append(np.full_like(found[0], np.nan))
+        has_it = layer.kind in self.labels
+        found.append(values_of(self.name, layer, fields) if has_it else np.nan * found[0])
         for axis in (0, 1) if self.run.dimension == 2 else ():
             first, second, last = (layer.places.take(k, axis) for k in (0, 1, -1))
             step, gap = (np.linalg.norm(of - first, axis=-1).max() for of in (second, last))
@@ -197,11 +179,8 @@ class View:
                 found = [np.append(v, v.take([0], axis), axis) for v in found]
         return [v[:, v.shape[1] // 2] if v.ndim == 3 else v for v in found]
 
-    def size(self, count: int = 0) -> tuple[int, float, float]:
-        """Return columns, width of a panel and height of all with their bars [inches]; count: of
-        panels, 0 for one of each frame.
-        """
-        count = count or len(self.frames)
+    def size(self, count: int) -> tuple[int, float, float]:
+        """Return columns, width of a panel and height of so many with their bars [inches]."""
         columns = min(2 if self.ratio >= WIDE else 3, count)
         ratio = min(self.ratio, 1 / THIN)
         width = min(WIDTH / columns - 0.4, HIGHEST * ratio)
@@ -212,15 +191,14 @@ class View:
         """Find colour map and range of each label, beyond which a few values may lie. What has both
         signs is white at 0. Round-off, beside all that has the same unit, gets one colour.
         """
-        quantity, labels = self.quantity, self.quantity.labels
         fields = [of for layer in self.run.layers for of in layer.frame(-1).items()]
-        same = [of for name, of in fields if written(unit_of(name)) == quantity.unit]
+        same = [of for name, of in fields if unit_of(name) == self.unit]
         size = max(map(abs, extremes(*same, *chain(*values))))
         begins = int(self.frames[0] == 0)  # initial data may go far beyond what follows
         self.scales = dict[str, dict[str, Any]]()
-        for label in dict.fromkeys(labels.values()):
-            of_it = [of for la, of in zip(self.layers, values) if labels.get(la.kind) == label]
-            shown = np.concatenate([np.ravel(v) for of in of_it for v in of[begins:] or of])
+        for label in self.labels.values():
+            known = [of for la, of in zip(self.layers, values) if self.labels.get(la.kind) == label]
+            shown = np.concatenate([np.ravel(v) for of in known for v in of[begins:] or of])
             low, high = extremes(shown)
             inner = np.percentile(shown[np.isfinite(shown)], INSIDE) if low < high else (low, high)
             if inner[1] - inner[0] > NOTHING * size:  # else what happens is in few places
@@ -228,16 +206,17 @@ class View:
             if high - low <= NOTHING * size:
                 low, high = (0.5 * (low + high) + sign * (0.1 * size or 1.0) for sign in (-1, 1))
             stress = "stress" in label
-            colours = "cividis" if stress else PLAIN.get(quantity.name, "viridis")
-            if quantity.signed(label) and min(-low, high) > BESIDE * (high - low):
+            colours = "cividis" if stress else PLAIN.get(self.name, "viridis")
+            signed = stress or self.name not in PLAIN
+            if signed and min(-low, high) > BESIDE * (high - low):
                 colours, high = "PuOr_r" if stress else "RdBu_r", max(-low, high)
                 low = -high
             self.scales[label] = {"cmap": colours, "vmin": low, "vmax": high}
 
     def draw(self, axes: Axes, frame: int) -> None:
         """Draw one frame."""
-        axes.set(xlim=self.limits[0], ylim=self.limits[1], xlabel=self.labels[0])
-        label_y(axes, self.labels[1])
+        axes.set(xlim=self.limits[0], ylim=self.limits[1], xlabel=self.axes[0])
+        label_y(axes, self.axes[1])
         found = [(layer.kind, self.at(layer, frame)) for layer in self.layers]
         if not self.plane:
             for kind, of in found:
@@ -246,7 +225,7 @@ class View:
         axes.set_aspect("equal" if self.ratio <= 1 / THIN else "auto")
         axes.grid(visible=False)
         for kind, of in found:
-            if scale := self.scales.get(self.quantity.labels.get(kind, "")):
+            if scale := self.scales.get(self.labels.get(kind, "")):
                 shown = *of[:2], np.ma.masked_invalid(of[-1])
                 axes.pcolormesh(*shown, shading="gouraud", rasterized=True, **scale)
                 levels = np.linspace(scale["vmin"], scale["vmax"], self.wanted.contours + 2)[1:-1]
@@ -294,15 +273,15 @@ class View:
             axes.streamplot(x, y, *lines, color="white", linewidth=0.5, arrowsize=0.5)
 
 
-def frames_of(run: Run, quantity: Quantity, times: Sequence[float] = ()) -> list[int]:
+def frames_of(run: Run, name: str, times: Sequence[float] = ()) -> list[int]:
     """Return the frames nearest to these times; if there are none, three or four of all, evenly."""
-    count = 4 if View(run, quantity, [run.nframes - 1]).ratio >= WIDE else 3
+    count = 4 if View(run, name, [run.nframes - 1]).ratio >= WIDE else 3
     return sorted({run.at(t) for t in times or np.linspace(run.time[0], run.time[-1], count)})
 
 
 def draw(figure: Figure, view: View) -> None:
     """A panel for each frame, colour bars or a legend above."""
-    columns, width, _ = view.size()
+    columns, width, _ = view.size(len(view.frames))
     grid = panels(figure, len(view.frames), columns)
     for axes, frame in zip(grid, view.frames):
         view.draw(axes, frame)
@@ -311,7 +290,7 @@ def draw(figure: Figure, view: View) -> None:
         axes.locator_params(axis="x", nbins=min(4, int(1 + 2 * width)))
     if view.plane:
         draw_bars(figure, view, grid)
-    elif len(view.quantity.labels) > 1:
+    elif len(view.labels) > 1:
         legend_above(grid[columns - 1], side="right")
 
 
@@ -325,31 +304,31 @@ def draw_bars(figure: Figure, view: View, axes: Any) -> None:
     for label, scale in view.scales.items():
         colours = ScalarMappable(Normalize(scale["vmin"], scale["vmax"]), scale["cmap"])
         bar = figure.colorbar(colours, ax=axes, location="top", pad=0.02, **size)
-        bar.set_label(labelled(view.run, label, view.quantity.unit), loc="left")
+        bar.set_label(labelled(view.run, label, view.unit), loc="left")
         bar.outline.set_visible(False)
         bar.ax.locator_params(nbins=6 if wide else 4)
 
 
-def draw_over_time(figure: Figure, run: Run, quantities: Sequence[Quantity]) -> None:
+def draw_over_time(figure: Figure, run: Run, names: Sequence[str]) -> None:
     """Draw a map of each quantity over x and t, with the interfaces as lines. Points in reserve, of
     gases of the paper's method, have what the nearest active point has.
     """
-    grid = figure.subplots(1, len(quantities), sharex=True, sharey=True, squeeze=False)[0]
-    for axes, quantity in zip(grid, quantities):
-        view = View(run, quantity, range(run.nframes))
+    grid = figure.subplots(1, len(names), sharex=True, sharey=True, squeeze=False)[0]
+    for axes, name in zip(grid, names):
+        view = View(run, name, range(run.nframes))
         for layer in view.layers:
             X, rows = layer.X, [view.at(layer, frame) for frame in view.frames]
-            there = [(x, values, np.isfinite(values)) for x, values in rows]
-            x = X + [np.interp(X, X[at], (x - X)[at]) for x, _, at in there]
-            values = [np.interp(X, X[at], values[at]) for _, values, at in there]
+            active = [(x, values, np.isfinite(values)) for x, values in rows]
+            x = X + [np.interp(X, X[at], (x - X)[at]) for x, _, at in active]
+            values = [np.interp(X, X[at], values[at]) for _, values, at in active]
             t = np.broadcast_to(run.time[:, None], x.shape)
-            scale = view.scales[quantity.labels[layer.kind]]
+            scale = view.scales[view.labels[layer.kind]]
             axes.pcolormesh(x, t, values, shading="gouraud", rasterized=True, **scale)
         lines = run.series.get("x_interface", np.empty((0, 0))).T
         for x, (color, width) in product(lines, OUTLINE):
             axes.plot(x, run.series["t"], color=color, linewidth=width)
         draw_bars(figure, view, axes)
-        axes.set(xlim=view.limits[0], ylim=run.time[[0, -1]], xlabel=view.labels[0])
+        axes.set(xlim=view.limits[0], ylim=run.time[[0, -1]], xlabel=view.axes[0])
         axes.grid(visible=False)
     grid[0].set_ylabel(labelled(run, "t", "s"))
     grid[0].locator_params(axis="x", nbins=4)

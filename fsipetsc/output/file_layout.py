@@ -172,18 +172,6 @@ def numbers(found: h5py.Dataset, *shape: int | None) -> Array:
     return np.array(found)
 
 
-def columns_of(header: Mapping[str, Any]) -> dict[str, list[str]]:
-    """Return what columns of series may be of -> the names of these in a run."""
-    layers, points = header["layers"], header.get("points", ())
-    return {
-        "interface": list(header.get("interfaces", ())),
-        "gas": [layer["name"] for layer in layers if layer["kind"] == "fluid"],
-        "layer": [layer["name"] for layer in layers],
-        "face": list(header.get("faces", ())),
-        "point": [f"{name} at {', '.join(f'{x:g}' for x in X)}" for name, X in points],
-    }
-
-
 class CheckpointError(FileError):
     """A checkpoint could not be written; the result may well be."""
 

@@ -2,8 +2,7 @@
 their faces.
 """
 
-from collections.abc import Sequence
-from itertools import product
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,6 @@ from fsipetsc.output import drawing
 from fsipetsc.output.info import Rows
 
 LINES = 24  # of the grid that are drawn, about, along each axis
-SLENDER = 3  # height over width: names of more slender blocks stand beside them
 #: what is at a face -> how it is drawn, the last ones on top
 FACES: dict[str, dict[str, Any]] = {
     "condition": {"linewidth": 2.0, "zorder": 3},
@@ -94,48 +92,38 @@ def draw_geometry(target: Path, problem: BlockProblem, title: str, axes: Sequenc
         return drawing.save(figure, target)
 
 
+def _lines(X: Array, most: int = 1) -> Iterator[Array]:
+    """Yield lines (n, d) of nodes along each axis of a grid: about so many of each axis, or with 1
+    those at its edges.
+    """
+    for axis in range(X.ndim - 1):
+        rows = np.moveaxis(X, axis, -2)
+        some = [slice(None, None, -(-(n - 1) // most)) for n in rows.shape[:-2]]
+        yield from rows[tuple(some)].reshape(-1, *rows.shape[-2:])
+
+
 def _draw_block(view: drawing.Axes, problem: BlockProblem, k: int) -> None:
     """Draw faces with their conditions; grid lines, or in three dimensions the edges."""
     block, X = problem.blocks[k], _places(problem, k)
     color = drawing.COLORS[block.kind]
     if X.ndim == 2:  # a strip of two dimensions
-        X = np.stack(np.broadcast_arrays(X, [0.0, 1.0]), axis=-1)
+        X = np.stack(np.broadcast_arrays(X, [0.0, 0.5, 1.0]), axis=-1)
     d = X.ndim - 1
-
-    def edges(axis: int, side: int) -> list[Array]:
-        """Return the lines (n, d) around a face; in two dimensions the face itself."""
-        face = X.take(-side, axis)
-        return [face] if d == 2 else [face[0], face[-1], face[:, 0], face[:, -1]]
-
-    thin = [line for face in product(range(d), (0, 1)) for line in edges(*face)]
     if d == 2:
         view.contourf(*X.T, 0.0 * X[..., 0].T, [-1, 1], colors=[color], alpha=0.15)
-        thin += [line for rows in (X, X.swapaxes(0, 1)) for line in rows[:: len(rows) // LINES + 1]]
-    for line in thin:
+    for line in _lines(X, LINES if d == 2 else 1):
         view.plot(*line.T, color=color, linewidth=0.5 * (d - 1), alpha=0.6, label=block.kind)
-    centre, size = _centre(X), np.ptp(X, axis=tuple(range(d)))
+    centre = X[tuple(n // 2 for n in X.shape[:-1])]
     middle: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 9, "fontsize": 8}
-    slender = problem.dimension == 2 and size[1] > SLENDER * size[0]  # its name stands beside it
-    beside = {"s": f"  {block.name}", "ha": "left"} if slender else {"s": block.name}
-    view.text(*centre, color=color, weight="bold", **middle | beside)
-    for face, (kind, text) in _faces(problem, k).items():
-        label = "" if kind == "condition" else kind
-        for line in (lines := edges(*face)):
+    view.text(*centre, block.name, color=color, weight="bold", **middle)
+    for (axis, side), (kind, text) in _faces(problem, k).items():
+        face, label = X.take(-side, axis), "" if kind == "condition" else kind
+        for line in _lines(face):
             view.plot(*line.T, label=label, **{"color": color, **FACES[kind]})
-        if kind != "condition":
-            continue
-        place = np.mean([*map(_centre, lines)], axis=0)
-        out = (place - centre) / np.linalg.norm(place - centre)
-        if d == 3:  # beside the block, at the end of a line
-            far = place + 0.2 * size.max() * out
-            view.plot(*np.transpose([place, far]), "k:", linewidth=0.8)
-            view.text(*far, text, backgroundcolor="white", **middle)
-        else:
+        place = face[tuple(n // 2 for n in face.shape[:-1])]
+        if kind == "condition" and d == 3:
+            view.text(*place, text, **middle)
+        elif kind == "condition":  # its name stands beside the block
+            out = (place - centre) / np.linalg.norm(place - centre)
             more = {"rotation": 90 * (abs(out[0]) > abs(out[1])), "textcoords": "offset points"}
             view.annotate(text, place, 8.0 * out, **more, **middle)
-
-
-def _centre(X: Array) -> Array:
-    """Return the place in the middle of nodes."""
-    near = [X[tuple((n - k) // 2 for n in X.shape[:-1])] for k in (0, 1)]
-    return np.mean(near, axis=0)

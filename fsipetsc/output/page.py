@@ -18,9 +18,9 @@ from fsipetsc.errors import InputError
 from fsipetsc.options import Option
 from fsipetsc.output import drawing
 from fsipetsc.output.drawing import USUAL, Figure, View, Wanted
-from fsipetsc.output.file_layout import columns_of, writing
+from fsipetsc.output.file_layout import writing
 from fsipetsc.output.info import info
-from fsipetsc.output.quantities import chosen, there, unit_of, written
+from fsipetsc.output.quantities import chosen, labelled, there, unit_of
 from fsipetsc.output.reader import Run, open_run
 from fsipetsc.scheme.observables import PLACE, SERIES, drifts
 
@@ -34,8 +34,14 @@ CONTOURS = Option("contours", int, 0, "", "lines on each map", check="nonnegativ
 TIMES = Option("times", "floats", (), "s", "")
 PICTURES, FILMS = (".png", ".pdf", ".svg", ".jpg"), (".gif", ".mp4")
 INTERFACE_POINTS = (0.25, 0.5, 0.75)  # of an interface, whose deflection is drawn as a curve
-DEPARTURE, STEP = "relative departure", "time step"
-SPAN = 1e8  # of a logarithmic axis at most
+#: panels that a page shows beside interfaces
+ENERGY, DEPARTURE, STEP = "change of energy", "relative departure", "time step"
+#: colours and line styles of curves in one panel, in turn
+CURVES = {
+    "color": [drawing.BLACK, drawing.ORANGE, drawing.BLUE, drawing.GREEN, "#cc79a7"] * 4,
+    "linestyle": ["-", "--", "-.", ":"] * 5,
+}
+DECADES = 8.0  # of a logarithmic axis at most
 HTML = """<!DOCTYPE html>
 <meta charset="utf-8">
 <title>{title}</title>
@@ -44,6 +50,8 @@ HTML = """<!DOCTYPE html>
 {pictures}
 <pre>{text}</pre>
 """
+#: height [inches], what is drawn on a figure of this height
+Drawing = tuple[float, Callable[[Figure], None]]
 
 
 def plot(path: str, given: Mapping[str, str]) -> str:
@@ -98,10 +106,6 @@ def report(path: str, given: Mapping[str, str]) -> Path:
     return target
 
 
-#: height [inches], what is drawn on a figure of this height
-Drawing = tuple[float, Callable[[Figure], None]]
-
-
 def page(run: Run, wanted: Wanted = USUAL) -> Figure:
     """Draw fields over space and time, and interfaces, energy, departures, steps."""
     end = drawing.moment(run, -1) if run.nframes else "no frame"
@@ -111,21 +115,20 @@ def page(run: Run, wanted: Wanted = USUAL) -> Figure:
 
 def pictures(run: Run, wanted: Wanted = USUAL, every: bool = True) -> dict[str, Drawing]:
     """Return name -> drawing: of every picture that the run has the data for, or of the page's."""
-    found: dict[str, Drawing] = {}
-    quantities = chosen(run, wanted.fields)
+    found, names = dict[str, Drawing](), chosen(run, wanted.fields)
     over_time = run.dimension == 1 and run.nframes >= LEAST_FRAMES
     if run.nframes and (every or wanted.times or not over_time):
-        for quantity in there(run).values() if every and not wanted.fields else quantities:
-            view = View(run, quantity, drawing.frames_of(run, quantity, wanted.times), wanted)
-            found[quantity.name] = view.size()[2], partial(drawing.draw, view=view)
+        for name in there(run) if every and not wanted.fields else names:
+            frames = drawing.frames_of(run, name, wanted.times)
+            view = View(run, name, frames, wanted)
+            found[name] = view.size(len(frames))[2], partial(drawing.draw, view=view)
     if over_time and (every or not wanted.times):
-        found["xt"] = MAPS, partial(drawing.draw_over_time, run=run, quantities=quantities)
+        found["xt"] = MAPS, partial(drawing.draw_over_time, run=run, names=names)
     rows, columns = all_panels(run), 3
     if not every:
-        told = [*rows["ledgers"], *rows["steps"]]
-        told = [panel for panel in told if panel.label in ("change of energy", DEPARTURE, STEP)]
-        told.sort(key=lambda panel: panel.label)
-        rows, columns = {"told": [*rows["interfaces"][:1], *told]}, 4
+        told = {panel.label: panel for panel in [*rows["ledgers"], *rows["steps"]]}
+        of_page = [told[label] for label in (ENERGY, DEPARTURE, STEP) if label in told]
+        rows, columns = {"told": [*rows["interfaces"][:1], *of_page]}, 4
     for name, panels in rows.items():
         if panels:
             curves = partial(_draw_curves, run=run, panels=panels, columns=columns)
@@ -146,9 +149,6 @@ def drawn(run: Run, title: str, drawings: Sequence[Drawing]) -> Figure:
     return figure
 
 
-# curves over time
-
-
 class Panel(NamedTuple):
     """Curves over time with one axis: names -> (nsteps,), over t; logarithmic: of their sizes."""
 
@@ -165,8 +165,7 @@ def all_panels(run: Run) -> dict[str, list[Panel]]:
     In two dimensions deflections come first, the largest before the others. Departures from laws
     come before totals. Of some steps each the longest is drawn: those to saved times are shorter.
     """
-    names = "interfaces", "points", "ledgers", "steps"
-    found: dict[str, list[Panel]] = {name: [] for name in names}
+    found: dict[str, list[Panel]] = {"interfaces": [], "points": [], "ledgers": [], "steps": []}
     if run.dimension == 2 and run.nframes > 1:
         lines = [run.interface(k) for k in range(len(run.interfaces))]
         for line in sorted(lines, key=lambda line: -np.nanmax(np.abs(line.displacement))):
@@ -182,14 +181,12 @@ def all_panels(run: Run) -> dict[str, list[Panel]]:
         found["ledgers"].append(Panel(DEPARTURE, "", t, departed, logarithmic=True))
     for name, one in SERIES.items():
         if one.label and name in run.series:
-            axis = name.removesuffix("_point")[-1]
-            label, values, start = one.label.replace("*", axis), run.series[name], 0.0
+            label, start = one.label.replace("*", name.removesuffix("_point")[-1]), 0.0
             if name == "x_interface" or label.startswith("change"):
-                start = np.asarray(run.summary.get(f"initial_{name}", values[0]))
-            columns = columns_of(run.header).get(one.of, [name])
-            curves = dict(zip(columns, (values - start).reshape(len(t), -1).T))
-            unit, apart = written(unit_of(name, run)), name.startswith("residual")
-            panel = Panel(label, unit, t, curves, logarithmic=apart)
+                start = np.asarray(run.summary.get(f"initial_{name}", run.series[name][0]))
+            columns = (run.series[name] - start).reshape(len(t), -1).T
+            curves = dict(zip(run.columns.get(one.of, [name]), columns))
+            panel = Panel(label, unit_of(name, run), t, curves, name.startswith("residual"))
             found[f"{one.of}s" if one.kind == PLACE else "ledgers"].append(panel)
     at, dt = envelope(t, run.series["dt"], max(2, len(t) // 4))
     found["steps"].append(Panel(STEP, "s", at, {"dt": dt}))
@@ -199,27 +196,23 @@ def all_panels(run: Run) -> dict[str, list[Panel]]:
 def _draw_curves(figure: Figure, run: Run, panels: list[Panel], columns: int) -> None:
     times = np.concatenate([run.time, run.series.get("t", [])])
     for axes, panel in zip(drawing.panels(figure, len(panels), columns), panels):
-        axes.set_prop_cycle(**drawing.CURVES)
+        axes.set_prop_cycle(**CURVES)
         for name, values in panel.curves.items():
-            t = panel.t
-            if panel.logarithmic:
-                t, values = envelope(t, np.abs(values))
-                values = np.where(values > 0, values, np.nan)
-            axes.plot(t, values, label=name)
+            t, sizes = envelope(panel.t, np.abs(values)) if panel.logarithmic else (panel.t, values)
+            axes.plot(t, sizes, label=name)
         if panel.logarithmic:
-            axes.set_yscale("log")
+            axes.set_yscale("log", nonpositive="mask")
             axes.margins(y=0.0)  # decades, which follow, are margin enough
-            low, high = axes.get_ylim()
-            low, high = np.log10([max(low, high / SPAN), high])
-            axes.set_ylim(10.0 ** np.floor(low), 10.0 ** np.ceil(high))
+            low, high = np.log10(axes.get_ylim())
+            axes.set_ylim(10.0 ** np.floor(max(low, high - DECADES)), 10.0 ** np.ceil(high))
             axes.yaxis.set_minor_formatter("")  # labels of less than two decades would touch
         if panel.label == STEP:
             axes.set_ylim(0.0, 1.05 * panel.curves["dt"].max())
-        drawing.label_y(axes, drawing.labelled(run, panel.label, panel.unit))
+        drawing.label_y(axes, labelled(run, panel.label, panel.unit))
         if len(panel.curves) > 1 or panel.logarithmic:
             drawing.legend_above(axes)  # else its one name says nothing
         axes.locator_params(axis="x", nbins=4)
-        axes.set(xlim=(times.min(), times.max()), xlabel=drawing.labelled(run, "t", "s"))
+        axes.set(xlim=(times.min(), times.max()), xlabel=labelled(run, "t", "s"))
 
 
 def envelope(t: Array, values: Array, parts: int = 300) -> tuple[Array, Array]:
@@ -227,9 +220,6 @@ def envelope(t: Array, values: Array, parts: int = 300) -> tuple[Array, Array]:
     pieces = np.array_split(np.arange(len(t)), max(1, min(parts, len(t))))
     at = np.array([piece[np.argmax(values[piece])] for piece in pieces])
     return t[at], values[at]
-
-
-# a film: maps, or in one dimension profiles, one frame after the other
 
 
 def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
@@ -242,11 +232,10 @@ def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
     if run.nframes < 2:
         raise InputError(f"-animate: there are {run.nframes} frames: expected two or more")
     frames = range(0, run.nframes, -(-run.nframes // MOST_FRAMES))
-    views = [View(run, q, frames, wanted) for q in chosen(run, wanted.fields)]
+    views = [View(run, name, frames, wanted) for name in chosen(run, wanted.fields)]
     _, width, height = views[0].size(1)
     plane = run.dimension > 1
-    size = (len(views) * (width + 1.2), height + 0.9) if plane else (WIDTH, 3.4)
-    figure = Figure(figsize=size)
+    figure = Figure(figsize=(len(views) * (width + 1.2), height + 0.9) if plane else (WIDTH, 3.4))
     grid = figure.subplots(1, len(views), squeeze=False)[0]
     titles = {frame: drawing.of_run(run, drawing.moment(run, frame)) for frame in frames}
     title = drawing.set_title(figure, max(titles.values(), key=len))  # the layout has room for each

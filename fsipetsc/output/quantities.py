@@ -1,13 +1,12 @@
 """Labels and units of what is stored and recorded; what can be drawn; a result for xarray."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
-from fsipetsc.output.file_layout import columns_of
 from fsipetsc.scheme.observables import GAIN, INTEGRAL, SERIES
 
 Run = Any  # fsipetsc.output.reader.Run, which imports this module
@@ -31,8 +30,6 @@ FIELDS = {
     for names, (label, unit) in _TABLE.items()
     for name in names.split()
 }
-#: series of gains in a step, not of totals after it
-GAINS = [name for name, one in SERIES.items() if one.kind == GAIN]
 #: fields of blocks whose mean is drawn beside the pressure
 _NORMAL = "s_xx", "s_yy", "s_zz", "sigma_theta"
 
@@ -57,66 +54,55 @@ def is_si(run: Run) -> bool:
     return bool(run.header.get("units", "SI") == "SI")
 
 
-def written(unit: str) -> str:
-    """Return a unit as labels have it: "kg m-3" as kg m⁻³."""
-    return "" if unit == "1" else unit.translate(str.maketrans("-123", "⁻¹²³"))
+def labelled(run: Run, label: str, unit: str) -> str:
+    """Return a label with its unit, where there is one: "kg m-3" as [kg m⁻³]."""
+    unit = unit.translate(str.maketrans("-123", "⁻¹²³"))
+    return f"{label}  [{unit}]" if unit not in ("", "¹") and is_si(run) else label
 
 
-class Quantity(NamedTuple):
-    """What can be drawn: a name, and kind of layer -> label."""
-
-    name: str
-    labels: dict[str, str]
-
-    unit = property(lambda self: written(unit_of(self.name)))
-    #: what is shown of gases, then of solids if that is something else
-    title = property(lambda self: "; ".join(dict.fromkeys(self.labels.values())))
-
-    def signed(self, label: str) -> bool:
-        """Whether its sign means something: not of pressures, densities and temperatures."""
-        return "stress" in label or self.name not in ("p", "rho", "T", "schlieren")
-
-    def values(self, layer: Any, fields: Mapping[str, Array]) -> Array:
-        """Return values of it, from the fields of a frame of a layer; beside the pressure of gases
-        stands what a solid pushes with, in one dimension, or the mean of its normal stresses.
-        """
-        if self.name == "p" and layer.kind == "solid":
-            if "sigma" in fields:
-                return fields["p"] - fields["sigma"]
-            return np.mean([fields[name] for name in _NORMAL if name in fields], axis=0)
-        if self.name == "schlieren":  # by differences of second order on a curved grid
-            places = [fields[x] for x in "xyz" if x in fields]
-            along = [np.stack(np.gradient(v, edge_order=2), -1) for v in (*places, fields["rho"])]
-            gradient = np.linalg.solve(np.stack(along[:-1], axis=-1), along[-1][..., None])
-            return np.sqrt(np.linalg.norm(gradient[..., 0], axis=-1))
-        if self.name == "strain":  # likewise
-            return np.gradient(fields["x"], layer.X, edge_order=2) - 1.0
-        return fields[self.name]
+def there(run: Run) -> dict[str, dict[str, str]]:
+    """Return what can be drawn of this run: name -> kind of layer -> label."""
+    line = run.dimension == 1
+    made = {("solid", "p"), ("solid", "strain") if line else ("fluid", "schlieren")}
+    has = made | {(layer.kind, name) for layer in run.layers for name in layer.fields}
+    kinds = sorted({layer.kind for layer in run.layers})
+    labels = {
+        name: {kind: label for kind in kinds if label and (kind, name) in has}
+        for name, (label, _) in FIELDS.items()
+    }
+    if "solid" in (p := labels["p"]):
+        p |= dict.fromkeys(p, f"{FIELDS['p'][0]}; p − σ in solids") if line else {}
+        p["solid"] = p["solid"] if line else "mean stress in solids"
+    return {name: of for name, of in labels.items() if of}
 
 
-def there(run: Run) -> dict[str, Quantity]:
-    """Return what can be drawn of this run, by name."""
-    line, found = run.dimension == 1, {}
-    made = {("fluid", "schlieren"): not line, ("solid", "strain"): line, ("solid", "p"): True}
-    for name, (label, _) in FIELDS.items():
-        known = {la.kind for la in run.layers if name in la.fields or made.get((la.kind, name))}
-        if name == "p" and "solid" in known:
-            label += "; p − σ in solids" * line
-        labels = {kind: label for kind in ("fluid", "solid") if kind in known}
-        if name == "p" and "solid" in known and not line:
-            labels["solid"] = "mean stress in solids"
-        if label and labels:
-            found[name] = Quantity(name, labels)
-    return found
-
-
-def chosen(run: Run, names: Sequence[str]) -> list[Quantity]:
-    """Return those of these names, or what a page shows where there are none. InputError."""
+def chosen(run: Run, names: Sequence[str]) -> list[str]:
+    """Return these names of what can be drawn, or what a page shows of it if none are given.
+    InputError.
+    """
     known = there(run)
     if missing := [name for name in names if name not in known]:
         raise InputError(f"-fields {missing[0]}: expected some of {', '.join(known)}")
     usual = ("u", "T", "p") if run.dimension == 1 else ("p",)
-    return [known[name] for name in names or usual if name in known]
+    return [name for name in names or usual if name in known]
+
+
+def values_of(name: str, layer: Any, fields: Mapping[str, Array]) -> Array:
+    """Return what is drawn of a layer, from the fields of a frame; beside the pressure of gases
+    stands what a solid pushes with, in one dimension, or the mean of its normal stresses.
+    """
+    if name == "p" and layer.kind == "solid":
+        if "sigma" in fields:
+            return fields["p"] - fields["sigma"]
+        return np.mean([fields[name] for name in _NORMAL if name in fields], axis=0)
+    if name == "schlieren":  # by differences of second order on a curved grid
+        places = [fields[x] for x in "xyz" if x in fields]
+        along = [np.stack(np.gradient(v, edge_order=2), -1) for v in (*places, fields["rho"])]
+        gradient = np.linalg.solve(np.stack(along[:-1], axis=-1), along[-1][..., None])
+        return np.sqrt(np.linalg.norm(gradient[..., 0], axis=-1))
+    if name == "strain":  # likewise
+        return np.gradient(fields["x"], layer.X, edge_order=2) - 1.0
+    return fields[name]
 
 
 def to_xarray(run: Run) -> Any:
@@ -141,10 +127,9 @@ def to_xarray(run: Run) -> Any:
             where = coordinates if field in "xyz" else variables
             more = about(field, layer=layer.name)
             where[f"{name}.{field}"] = ["time", *dimensions], layer[field], more
-    names = columns_of(run.header)
     for series, values in run.series.items():
         of = [SERIES[series].of] * (values.ndim - 1)
-        coordinates |= {column: (column, names[column]) for column in of}
+        coordinates |= {column: (column, [*run.columns[column]]) for column in of}
         variables[f"series.{series}"] = ["step", *of], values, about(series)
     if "t" in run.series:
         coordinates["t"] = "step", run.series["t"], about("t")

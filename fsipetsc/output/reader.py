@@ -101,6 +101,16 @@ class Run:
             every = zip(layers, nodes or [np.empty(0)] * len(layers))
             self.layers = tuple(Layer(self, k, *of) for k, of in enumerate(every))
             self.blocks: dict[str, Layer] = {layer.name: layer for layer in self.layers}
+            #: what columns of series may be of -> the names of these
+            self.columns = {
+                "interface": self.interfaces,
+                "gas": tuple(layer.name for layer in self.layers if layer.kind == "fluid"),
+                "layer": tuple(self.blocks),
+                "face": self.faces,
+                "point": tuple(
+                    f"{name} at {', '.join(map('{:g}'.format, X))}" for name, X in self.points
+                ),
+            }
 
     def _need_frames(self) -> None:
         if not self.nframes:  # the run was killed at its start; of grids nothing is known either
