@@ -45,6 +45,7 @@ class Kernel:
         self.name, self.says, self.record = name, says, Record()
         self._arguments = {"n": "long "}
         self._stores: list[tuple[str, Symbol]] = []
+        self._offsets = dict[str, str]()
         self.counted: Symbol | None = None
 
     def read(self, array: str, layout: str, count: int, first: int = 0) -> tuple[Symbol, ...]:
@@ -52,6 +53,13 @@ class Kernel:
         self._arguments.setdefault(array, "const double *restrict ")
         places = self._places(array, layout, count, first)
         return tuple(self.record.given(place, uniform=layout == SHARED) for place in places)
+
+    def offset(self, text: str) -> str:
+        """The name of a whole number that all items share, for layouts; text: how C finds it. It is
+        found before the loop: of what a loop reads nothing else may say where more is read.
+        """
+        self._declare(text)
+        return self._offsets.setdefault(text, f"far{len(self._offsets)}")
 
     def number(self, name: str) -> Symbol:
         """A number that all items share."""
@@ -77,11 +85,15 @@ class Kernel:
         self._stores.append(("counted +=", self.counted))
 
     def _places(self, array: str, layout: str, count: int, first: int) -> list[str]:
-        for name, bracket in re.findall(r"\b([A-Za-z]\w*)(\[?)", layout.replace("{i}", "")):
-            if name not in ("c", "ROW"):
-                self._arguments[name] = "const long *restrict " if bracket else "long "
+        self._declare(layout.replace("{c}", "").replace("{i}", ""))
         every = range(first, first + count)
         return [f"{array}[{layout.format(c=c, i='i')}]" for c in every]
+
+    def _declare(self, text: str) -> None:
+        """Take the whole numbers that a text in C names as arguments."""
+        for name, bracket in re.findall(r"\b([A-Za-z]\w*)(\[?)", text):
+            if name != "ROW" and name not in self._offsets.values():
+                self._arguments[name] = "const long *restrict " if bracket else "long "
 
     def __call__(self, n: Any, **given: Any) -> Symbol | None:
         """Let a procedure run the kernel over n items. An array is given from its first item on.
@@ -106,10 +118,11 @@ class Kernel:
         if not record.exact:
             record, values = without_halves(values)
         stores = [Line(f"{place} {{}};", (v,)) for (place, _), v in zip(self._stores, values)]
-        before = [symbol for symbol in record.symbols if symbol.uniform]
+        before: list[Any] = [symbol for symbol in record.symbols if symbol.uniform]
         within = [symbol for symbol in record.symbols if not symbol.uniform]
         counts = self.counted is not None
         loop = f'ITEMS("omp simd{" reduction(+ : counted)" * counts}",'
+        before += [Line(f"const long {name} = {text};") for text, name in self._offsets.items()]
         items = [*before, Line(loop), *within, *stores, Line(")")]
         given = (f"{kind}{name}" for name, kind in sorted(self._arguments.items()))
         return "\n".join(

@@ -285,14 +285,7 @@ void run_calls(const struct call *calls, long count, const double *bad, const do
    whose other lanes are neither read nor stored: gcc would take them one by one. */
 #ifdef __AVX512F__
 #define ITEMS(simd, ...) \
-  _Pragma(simd) for (long i = 0; i < (n & -8L); ++i) { __VA_ARGS__ } \
-  if (n > 0 && n & 7) { \
-    const long first_ = n & -8L; \
-    _Pragma(simd) for (long lane_ = 0; lane_ < 8; ++lane_) { \
-      const long i = first_ + lane_; \
-      if (i < n) { __VA_ARGS__ } \
-    } \
-  }
+  _Pragma(simd) for (long i = 0; i < ((n + 7) & -8L); ++i) { if (i < n) { __VA_ARGS__ } }
 #else
 #define ITEMS(simd, ...) _Pragma(simd) for (long i = 0; i < n; ++i) { __VA_ARGS__ }
 #endif

@@ -93,8 +93,8 @@ def slope(
     pairs, reach = near
     here, found = () if pairs else kernel.read(f, layout, count, first), (0.0,) * count
     for m in range(pairs or reach):
-        to = f"{layout} + far_{axis}[{{}}]" + (apart if axis else "")
-        ends = (to.replace("{}", str(number)) for number in (m, reach + m))
+        far = (f"far_{axis}[{number}]" + (apart if axis else "") for number in (m, reach + m))
+        ends = (f"{layout} + {kernel.offset(text)}" for text in far)
         ahead, behind = (kernel.read(f, end, count, first) for end in ends)
         if pairs:
             (w,) = kernel.read(f"inner_{axis}", SHARED, 1, m)
