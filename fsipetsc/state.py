@@ -27,12 +27,7 @@ class State:
 
         set_data(t)     data of the case are those at t [s]; what is wrong with them is the fault
         load(n, y), unload(n, y)  copy a solution into stage n, or out of it
-        phase(name, n, f)  calls of procedures and exchanges that do something with stage n:
-            data        set the data of its time, which C knows
-            fulfil      let it obey all conditions
-            rates       f = dy/dt
-            advance     make the next stage
-            complete    find bounds, integrals, records of the solution, which obeys all conditions
+        vectors(n)      stage n, and where its rates go
         show(n)         let what is saved and seen be that of stage n
         begin()         what follows from the solution, and not from the stages before it
         owned(k), numbers(k)  (M, unknowns), a view of the solution at the points of this rank; (M,)
@@ -47,10 +42,20 @@ class State:
     integrals in them are this rank's shares. asks: Python has something to do in each step. fault:
     the first one of a user's function, on this rank, of which all learn after the step.
     evaluations: of the right-hand side.
+
+    phases: name, or name_n for stage n -> procedures and exchanges in their order, of the stage
+    and its rates; (procedure,) is of the rates alone:
+
+        data        set the data of its time, which C knows
+        fulfil      let it obey all conditions
+        rates       f = dy/dt
+        advance     make the next stage
+        complete    find bounds, integrals, records of the solution, which obeys all conditions
     """
 
     fault: FsiError | None = None
     evaluations = 0
+    phases: dict[str, list[Any]]
     #: a step that leaves an unphysical state is made anew in up to so many parts
     MOST_PARTS = 1
 
@@ -61,14 +66,24 @@ class State:
             exchange.load(library)
         self._made: dict[Any, Calls] = {}
         names = "data", "fulfil", "advance"
-        calls = [one for n in range(STAGES) for name in names for one in self.phase(name, n)]
-        calls += [*self.phase("fulfil", STAGES), *self.phase("complete", STAGES), (planning, ())]
+        calls = [one for n in range(STAGES) for name in names for one in self._calls(name, n)]
+        calls += [*self._calls("fulfil", STAGES), *self._calls("complete", STAGES), (planning, ())]
         self._whole_step = Calls(library, calls)
+
+    def _calls(self, name: str, n: int, f: np.ndarray | None = None) -> list[Any]:
+        """The calls of a phase of stage n: procedure, vectors."""
+        (y, after), found = self.vectors(n), []
+        rates = after if f is None else f
+        for one in self.phases.get(f"{name}_{n}", self.phases.get(name, ())):
+            procedure, vectors = (one[0], (rates,)) if isinstance(one, tuple) else (one, (y, rates))
+            if not getattr(procedure, "empty", False):
+                found.append((procedure, vectors[: len(procedure.vectors)]))
+        return found
 
     def _do(self, name: str, n: int, f: np.ndarray | None = None) -> None:
         key = name, n, 0 if f is None else f.ctypes.data
         if key not in self._made:
-            self._made[key] = Calls(self._library, self.phase(name, n, f))
+            self._made[key] = Calls(self._library, self._calls(name, n, f))
         self._made[key]()
 
     def _fail(self, error: FsiError) -> None:

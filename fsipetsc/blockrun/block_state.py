@@ -11,7 +11,7 @@ from petsc4py import PETSc
 
 from fsipetsc.blockrun import saved
 from fsipetsc.blockrun.parts import GasPart, SolidPart
-from fsipetsc.blockrun.phases import calls, phases, procedures_of_steps
+from fsipetsc.blockrun.phases import phases, procedures_of_steps
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.checks import block_values, checked, names_of
 from fsipetsc.errors import InputError
@@ -163,7 +163,7 @@ class BlockState(State):
             does["reduce"],
         ]
         self._data = [code.procedures[0] for code in data]
-        self._lists = phases(layout, [*parts], self.particles, does, self._data)
+        self.phases = phases(layout, [*parts], self.particles, does, self._data)
         self._take_calls(calling.library, does["plan_next"], exchanges)
         if not self.asked:  # as data of a wall that begins with an infinite acceleration
             self._fill(0.0)
@@ -257,10 +257,8 @@ class BlockState(State):
     def unload(self, n: int, y: np.ndarray) -> None:
         y[:] = self._now[n]
 
-    def phase(self, name: str, n: int, f: np.ndarray | None = None) -> list[Any]:
-        now, after = (self._now[k % STAGES] for k in (n, n + 1))
-        listed = self._lists[f"{name}_{n}" if name in ("advance", "data") else name]
-        return calls(listed, now, after if f is None else f)
+    def vectors(self, n: int) -> tuple[np.ndarray, np.ndarray]:
+        return self._now[n % STAGES], self._now[(n + 1) % STAGES]
 
     def show(self, n: int) -> None:
         self._shown = self._now[n % STAGES]

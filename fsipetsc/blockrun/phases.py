@@ -13,8 +13,6 @@ A phase is a list of calls, which C makes: procedures of parts and of particles
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.particles.system import ParticleSystem
@@ -39,7 +37,7 @@ def procedures_of_steps(code: Code, found: Any) -> dict[str, Any]:
 def phases(
     layout: BlockLayout, parts: Sequence[Any], particles: ParticleSystem, does: Any, data: Any
 ) -> dict[str, list[Any]]:
-    """Return phase -> procedures and exchanges, in their order; (procedure,) is of f, not of y.
+    """Return the ``phases`` of fsipetsc.state.
 
     does: the procedures of steps, and what reduces extremes. data: procedures that fill recorded
     data.
@@ -85,14 +83,4 @@ def phases(
         # a stage at the time of that before has its data
         new = data and stages.FRACTIONS[n] != stages.FRACTIONS[n - 1]
         found[f"data_{n}"] = [does[f"time_{n}"], *data] if new else []
-    return found
-
-
-def calls(listed: Sequence[Any], y: np.ndarray, f: np.ndarray) -> list[tuple[Any, Any]]:
-    """Return the calls of a phase: procedure, vectors."""
-    found = []
-    for one in listed:
-        procedure, vectors = (one[0], (f,)) if isinstance(one, tuple) else (one, (y, f))
-        if not getattr(procedure, "empty", False):
-            found.append((procedure, vectors[: len(procedure.vectors)]))
     return found

@@ -25,7 +25,7 @@ from petsc4py import PETSc
 from fsipetsc.checks import NOWHERE, Array, checked
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
-from fsipetsc.kernels.procedure import Code, Procedure
+from fsipetsc.kernels.procedure import Code
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import ends, rates
 from fsipetsc.paper.coupling import couple, interface_of, note
@@ -94,10 +94,10 @@ class PaperState(State):
 
     def _load_procedures(self, steps: Any, announce: Callable[[str], None]) -> None:
         """Make machine code of all procedures; does: name -> those that this rank calls."""
-        code, self._does = Code(exchange_text()), defaultdict[str, list[Procedure]](list)
+        code, does = Code(exchange_text()), defaultdict[str, list[Any]](list)
 
         def add(name: str, number: int, f: Any, of: Any, here: bool = True) -> None:
-            self._does[name] += [code.procedure(f"{name}_{number}", f, of)][: int(here)]
+            does[name] += [code.procedure(f"{name}_{number}", f, of)][: int(here)]
 
         for k, layer in enumerate(self.layers):
             for name, f in OF_LAYERS[layer.layer.kind].items():
@@ -112,23 +112,22 @@ class PaperState(State):
         planning = code.procedure("plan_next", plan_next, self.plan)
         (library,) = libraries(self.comm, [code.text], announce)
         code.load(library)
-        self._take_calls(library, planning, (self._rows, self._halos, self._reduction))
-
-    def phase(self, name: str, n: int, f: Array | None = None) -> list[Any]:
-        does, found = self._does, list[Any]()
-        if name == "fulfil" and n > 0:  # the solution obeys the conditions
-            found = [self._rows, *does["couple"], *does["close"], self._halos]
-        elif name in ("rates", "advance"):
+        does["tell"] = [self._reduction] if self.comm.size > 1 else []
+        completing = "forget", "complete", "note", "tell", "finish"
+        self.phases = {
+            "fulfil": [self._rows, *does["couple"], *does["close"], self._halos],
+            "fulfil_0": [],  # the solution obeys the conditions
+            "complete": [one for name in completing for one in does[name]],
+            "stretch": does["stretch"],
+        }
+        for n in range(STAGES):
             # a stage fulfils the conditions but for the ghost point, the completed solution all
             found = [*does["fill" if n > 0 else "begin"], *does["rates"]]
-            found += does["stage"][n : n + (name == "advance")]
-        elif name == "complete":
-            tell = [self._reduction] if self.comm.size > 1 else []
-            found = [*does["forget"], *does[name], *does["note"], *tell, *does["finish"]]
-        elif name == "stretch":
-            found = does[name]
-        known = (one for one in found if not getattr(one, "empty", False))
-        return [(one, (self._memory,)[: len(one.vectors)]) for one in known]
+            self.phases |= {f"rates_{n}": found, f"advance_{n}": [*found, does["stage"][n]]}
+        self._take_calls(library, planning, (self._rows, self._halos, self._reduction))
+
+    def vectors(self, n: int) -> tuple[Array, Array]:
+        return self._memory, self._memory
 
     # what is known of it
 
