@@ -1,12 +1,22 @@
 """Runs that cannot start or go on: exit status, one message that helps, what is left on disk."""
 
+import shutil
 import sys
+from types import SimpleNamespace
 
+import h5py
+import numpy as np
 import pytest
 from helpers import REPOSITORY, assert_readable, launch, message, solve, well
 
 import fsipetsc
 from fsipetsc.cli import main
+from fsipetsc.stepping.notes import help_with
+from fsipetsc.stepping.run import Run
+
+
+def files(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
 
 
 def test_a_layer_that_becomes_too_short(tmp_path):
@@ -30,6 +40,7 @@ def test_a_failure_within_a_batch_loses_nothing(tmp_path):
     for watch in ((), ("-ts_monitor",)):  # which makes batches of one step
         done = solve(*line.split(), *watch, cwd=tmp_path)
         message(done, 3, *words, "; -ts_dt 0.0003 s is ", " times the bound on the step at t = 0")
+        assert "steps (-ts_dt), a finer" in done.stderr and "-fsi_coupling cons" in done.stderr
         assert_readable(tmp_path / "rod.h5", "failed", 0.5)
         with fsipetsc.open_run(tmp_path / "rod.h5") as result:
             series = [result.series[name].tolist() for name in ("t", "dt", "x_interface", "mass")]
@@ -65,6 +76,16 @@ def test_what_went_wrong_is_named_and_what_helps(layers, number, field, rate, sa
             assert result.summary["status"] == "failed" and result.summary["steps"] >= 10
     assert texts[0] == texts[1]
     assert "where there are shocks -fsi_dissipation 1 -fsi_shock 1" in texts[0]
+    used = {"ts_dt": None, "fsi_coupling": "conservative", "fsi_dissipation": 1, "fsi_shock": 1}
+    assert help_with(used).endswith("(-fsi_cfl or -ts_dt), a finer grid (-fsi_h)")
+
+
+def test_progress_after_a_restart_counts_the_steps_of_the_job():
+    """Of which it made 10 in 2 s, a quarter of the run, after another quarter of it."""
+    run = {"_speaks": True, "_next_line": 0.0, "_interval": 9.0, "wall_time": 102.0, "bound": ""}
+    run |= {"t": 0.5, "s": " s", "steps": 60, "opt": {"ts_max_time": 1.0}, "_part": 0.5}
+    Run._say_progress(SimpleNamespace(**run, _job=(0.25, 50, 100.0), line=(said := []).append), 0.1)
+    assert said == ["  t = 0.5 of 1 s (50 %), step 60, dt = 0.1 s, 5 steps/s, 4 s left"]
 
 
 @pytest.mark.parametrize("name", ["edge", "initial", "forcing", "jumps"])
@@ -83,15 +104,20 @@ def test_an_error_of_a_function_ends_all_with_its_place(name, tmp_path):
             assert steps >= 10, "no function is asked for times that are still to come"
 
 
-def test_a_run_that_cannot_begin_leaves_a_result_and_the_name(tmp_path, monkeypatch):
+def test_a_run_that_cannot_begin_touches_no_file(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     case, line = tmp_path / "mad.py", ("mad.py", "-mad_layers", "s", "-ts_max_steps", 1)
-    case.write_text(CASE.read_text().replace("1.0, X, Y", "1.0, X - 0.3 * np.sin(6 * X), Y"))
-    message(solve(*line, cwd=tmp_path), 2, "the run cannot begin: J = -", "computed before is in")
-    assert all(main([word, "mad.h5"]) == 0 for word in ("info", "report", "plot"))
     case.write_text(CASE.read_text())
-    assert "kept the earlier mad.h5" in well(solve(*line, cwd=tmp_path)).stdout
+    well(solve(*line, cwd=tmp_path))
     assert main(["plot", "mad.h5", "-streamlines"]) == 0  # there is no gas
+    case.write_text(CASE.read_text().replace("1.0, X, Y", "1.0, X - 0.3 * np.sin(6 * X), Y"))
+    before = files(tmp_path)
+    message(solve(*line, cwd=tmp_path), 2, "the run cannot begin: J = -")
+    assert files(tmp_path) == before
+    with h5py.File("mad.h5", "r+") as file:  # as of a run that was killed at its start
+        del file["layer0"], file["time"]
+        file["time"] = np.zeros(0)
+    assert all(main([word, "mad.h5"]) == 0 for word in ("info", "report", "plot"))
 
 
 TABLE = """
@@ -118,10 +144,13 @@ def test_a_restart_whose_data_fail(tmp_path):
     line = "table.py", "-fsi_checkpoint_steps", 3, "-fsi_quiet", "-ts_max_steps"
     well(solve(*line, 6, cwd=tmp_path))
     (tmp_path / "ended").touch()
-    done = solve(*line, 9, "-fsi_restart", "auto", cwd=tmp_path)
-    message(done, 2, "table.py, line 10", "ValueError: the table ends")
-    with fsipetsc.open_run(tmp_path / "table.h5") as result:
-        assert result.summary["status"] == "failed" and result.series["t"].size == 6
+    shutil.copy(tmp_path / "table.h5", tmp_path / "other.h5")
+    for more in ((), ("-fsi_output", "other.h5", "-fsi_checkpoint", "new.h5")):
+        before = files(tmp_path)
+        restart = "-fsi_restart", "table.checkpoint.h5", *more
+        done = solve(*line, 9, *restart, cwd=tmp_path)
+        message(done, 2, "table.py, line 10", "ValueError: the table ends")
+        assert files(tmp_path) == before
 
 
 #: prints far more than what one who leaves after a line has read, in many writes

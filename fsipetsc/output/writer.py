@@ -19,6 +19,7 @@ from functools import partial
 from itertools import count
 from pathlib import Path
 from typing import IO, Any, TypeVar
+from uuid import uuid4
 
 import numpy as np
 from mpi4py import MPI
@@ -49,11 +50,11 @@ class RunWriter:
                     points in order
     take_series     hands over, on rank 0, the steps since the last time, as an array of records
                     with "t" first, which may be overwritten later. All ranks call it
-    after           what a restart keeps of a result of this name and this run (header["run"]):
-                    frames, steps, and the time [s] at their end. Where there is none a new one
-                    begins
+    after           what a restart keeps of a result of this name: its mark, frames, steps, and
+                    the time [s] at their end. Where there is none a new one begins
     checkpoint      of another run, if there is one: it gets a new name, as an earlier result does
     moved           on rank 0, old and new names of what an earlier run has left
+    mark            on rank 0, by which result and checkpoints know each other: of this file alone
 
     Every failure to write is raised as FileError on all ranks.
     """
@@ -65,7 +66,7 @@ class RunWriter:
         header: Mapping[str, Any],
         grids: Sequence[Array],
         take_series: Callable[[], Array],
-        after: tuple[int, int, float] | None = None,
+        after: tuple[str, int, int, float] | None = None,
         checkpoint: Path | None = None,
     ) -> None:
         self._comm, self._root, self._take_series = comm, comm.rank == 0, take_series
@@ -81,9 +82,10 @@ class RunWriter:
         self._times: list[float] = []  # of these
         self._new_rows: list[Array] = []  # likewise; on rank 0
         self._lock: IO[str] | None = None  # on rank 0
-        self._about = {**layout.ABOUT, "header": header}
+        self._about = {**layout.ABOUT, "header": {**header}}
         self.path = Path(os.path.realpath(path))
         self.folder = beside(self.path, ".parts")
+        self.mark = ""
         self.moved: list[tuple[Path, Path]] = []
         self._number = 1  # of the next piece
         #: frames given; on rank 0 rows of the series written
@@ -213,40 +215,41 @@ class RunWriter:
                 os.posix_fallocate(file.fileno(), len(content), room + _SPARE)
 
     def _begin(
-        self, after: tuple[int, int, float] | None, checkpoint: Path | None
+        self, after: tuple[str, int, int, float] | None, checkpoint: Path | None
     ) -> tuple[int, int]:
         """Make the folder. Its first piece is what is kept; all else of this name gets a new name.
         Return how many frames and rows are kept.
         """
         if os.path.lexists(self.path) and not self.path.is_file():  # such as /dev/null
             raise FileError(f"{self.path}: exists and is not a regular file")
-        self._lock, run = lock(self.folder, str(self.path)), self._about["header"].get("run")
+        self._lock = lock(self.folder, str(self.path))
         found = {self.path: self.path, layout.piece(self.folder, 1): self.folder}
         there = {file: whole for file, whole in found.items() if file.exists()}
-        others = [of for file, of in there.items() if after is None or _mark(file) != run]
-        kept = after if len(others) < len(there) else None
+        others = [of for file, of in there.items() if after is None or _mark(file) != after[0]]
+        self.mark, *kept = after if after and len(others) < len(there) else (uuid4().hex,)
+        self._about["header"] |= {"run": self.mark}
         self.moved += [(file, set_aside(file)) for file in others]
         if self.folder in others:  # the lock goes with it
             self._lock.close()
             self._lock = lock(self.folder, str(self.path))
         if kept:
-            self._join(kept)
+            self._join(*kept)
             os.replace(self.path, layout.piece(self.folder, 1))
         else:  # pieces behind a gap, which a kill has left
             clear(self.folder)
         if checkpoint is not None:
             self.moved.append((checkpoint, set_aside(checkpoint)))
-        return kept[:2] if kept else (0, 0)
+        return (kept[0], kept[1]) if kept else (0, 0)
 
-    def _join(self, after: tuple[int, int, float] | None = None) -> None:
-        """Make one file of all pieces, or of what is kept of a result. OSError; FileError if it is
-        damaged, or has not what is kept.
+    def _join(self, *kept: Any) -> None:
+        """Make one file of all pieces, or of what is kept of a result: frames, steps, the time at
+        their end. OSError; FileError if it is damaged, or has not what is kept.
         """
         run = open_run(self.path)
         ends = run.series.get("t", np.empty(0))
-        frames, rows, t = after or (run.nframes, len(ends), math.nan)
+        frames, rows, t = kept or (run.nframes, len(ends), math.nan)
         ended = ends[rows - 1] if 0 < rows <= len(ends) else math.nan
-        if after and (run.nframes < frames or (rows and ended != t)):
+        if kept and (run.nframes < frames or (rows and ended != t)):
             found = f"it has {run.nframes} frames, and its step {rows} ends at t = {ended:.17g}"
             what = f"{self.path} is not what the checkpoint goes on from"
             raise FileError(f"{what}: {found}, not {t:.17g}")
@@ -269,7 +272,7 @@ class RunWriter:
                         file[f"layer{k}/{name}"][first:end] = values
         publish(self._draft, self.path)
         clear(self.folder)
-        if run.dimension > 1 and after is None:
+        if run.dimension > 1 and not kept:
             layout.write_xdmf(run)
 
 

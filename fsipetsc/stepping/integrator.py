@@ -86,7 +86,7 @@ class Integrator:
         state = self.state
         state.set_data(self.t)  # with differences in time of the length that a step has
         state.finish()
-        check(state, self.t, self.steps)
+        check(state, self.opt, self.t, self.steps)
         names = [name for name in state.latest.dtype.names if SERIES[name].kind == INTEGRAL]
         self.initial = {name: self.comm.allreduce(state.latest[name]).tolist() for name in names}
         self._pass()
@@ -234,7 +234,7 @@ class Integrator:
         self.t, made, longest = self.state.batch[[plan.TIME, plan.MADE, plan.LONGEST]].tolist()
         self.steps += int(made)
         self._recorded += int(made) - 1  # the last one only if it is sound
-        check(self.state, self.t, self.steps)
+        check(self.state, self.opt, self.t, self.steps)
         self._recorded += 1
         passed, stop = self._pass(), float(self.state.results[plan.STOP])
         self.stop_signal = int(stop)

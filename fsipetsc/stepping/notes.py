@@ -37,19 +37,18 @@ FINEST = {1: 1, 2: 4, 3: 2}
 TOO_LARGE = 1e150
 #: fields that must be above 0; others need only be finite
 POSITIVE = "rho", "T", "J", "x_X", "m0 c^2"
-HELPS = (
-    "what usually helps: shorter steps (-fsi_cfl or -ts_dt), a finer grid (-fsi_h); where there "
-    "are shocks -fsi_dissipation 1 -fsi_shock 1, which need -fsi_coupling conservative"
-)
+#: options where there are shocks -> their values
+AT_SHOCKS = {"fsi_coupling": "conservative", "fsi_dissipation": 1, "fsi_shock": 1}
 #: a part of the run's energy that may be round-off: of a smaller one no share is told
 NOTHING = 1e-12
 
 
-def first_notes(state: State, opt: Mapping[str, Any]) -> list[str]:
-    found = [*state.problem.notes]
-    if isinstance(state, BlockState):
-        found += [*asked_data(state), *heat_that_stays(state)]
-    return [f"note: {text}" for text in (*found, *long_steps(state, opt))]
+def first_notes(state: State) -> list[str]:
+    of_blocks = isinstance(state, BlockState)
+    return [
+        *state.problem.notes,
+        *(asked_data(state) + heat_that_stays(state) if of_blocks else ()),
+    ]
 
 
 def asked_data(state: BlockState) -> list[str]:
@@ -91,15 +90,15 @@ def steep_waves(state: State, opt: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def long_steps(state: State, opt: Mapping[str, Any]) -> list[str]:
-    """Steps that were asked for and are far longer than their bound."""
+def long_steps(state: State, opt: Mapping[str, Any], t: float) -> list[str]:
+    """Steps that were asked for and are far longer than their bound at t [s]."""
     rate = float(state.results[RATE])
     step = float(longest_step(opt["fsi_cfl"], opt["ts_dt"] or 0.0, rate))
     if not step * rate > FAR:
         return []
     s = state.problem.unit("s")
     asked = f"-ts_dt {step:g}{s}" if opt["ts_dt"] else f"-fsi_cfl {opt['fsi_cfl']:g}"
-    bound = f"the bound on the step at t = 0{s}, {1 / rate:.3g}{s}"
+    bound = f"the bound on the step at t = {t:g}{s}, {1 / rate:.3g}{s}"
     return [f"{asked} is {step * rate:.3g} times {bound}, beyond which methods are unstable"]
 
 
@@ -151,7 +150,16 @@ def worst_waves(part: SolidPart, q: Array) -> list[tuple[float, int, list[float]
     return found
 
 
-def check(state: State, t: float, step: int) -> None:
+def help_with(opt: Mapping[str, Any]) -> str:
+    """What usually helps a run that fails, beside the options that are in force."""
+    steps = "shorter steps " + ("(-ts_dt)" if opt["ts_dt"] else "(-fsi_cfl or -ts_dt)")
+    used = [opt["fsi_coupling"] == "conservative", opt["fsi_dissipation"] > 0, opt["fsi_shock"] > 0]
+    more = [f"-{name} {of}" for (name, of), known in zip(AT_SHOCKS.items(), used) if not known]
+    at_shocks = "; where there are shocks " + " ".join(more) if more else ""
+    return f"what usually helps: {steps}, a finer grid (-fsi_h){at_shocks}"
+
+
+def check(state: State, opt: Mapping[str, Any], t: float, step: int) -> None:
     """ComputationError, at first InputError, if the run cannot go on from the state at t [s]."""
     flags, when = state.results, f"t = {t:.6g}{state.problem.unit('s')}, step {step}"
     if flags[BAD] or not flags[RATE] < np.inf:
@@ -161,7 +169,8 @@ def check(state: State, t: float, step: int) -> None:
         state.go_back()
         waves = imaginary_waves(state, float(state.batch[TIME]))
         first = state.repeat(partial(first_bad, state)) or first
-        raise ComputationError("; ".join([f"{first}, {when}", *(waves.values() or [HELPS])]))
+        helps = waves.values() or [help_with(opt)]
+        raise ComputationError("; ".join([f"{first}, {when}", *helps]))
     if flags[OFF_GRID]:
         raise ComputationError(f"at {when} {state.used_up()}")
 

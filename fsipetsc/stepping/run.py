@@ -2,16 +2,15 @@
 Rank 0 speaks.
 """
 
-import datetime
 import platform
 import shlex
 import signal
 import sys
 import threading
 import time
-import uuid
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, closing, contextmanager
+from datetime import datetime, timezone
 from importlib import import_module
 from typing import Any
 
@@ -125,7 +124,11 @@ def signals_noted(run: Integrator) -> Iterator[None]:
 
 
 class Run(Integrator):
-    """One run: the steps, with messages, a result, checkpoints, and the laws that must hold."""
+    """One run: the steps, with messages, a result, checkpoints, and the laws that must hold.
+
+    Making one completes the initial data, or goes on from a checkpoint; no file is touched.
+    Collective. InputError.
+    """
 
     writer: RunWriter
 
@@ -135,12 +138,22 @@ class Run(Integrator):
         self.s, self.m = self.problem.unit("s"), self.problem.unit("m")
         self.path = restart.checkpoint_name(opt)
         self._told: set[int] = set()  # solids of which it was said that they are beyond their law
-        self._long_steps: list[str] = []  # what is said of them at first, and after a failure
         self._speaks = self.comm.rank == 0 and not opt["fsi_quiet"]
+        if past is None:
+            self.start()
+        else:
+            self.resume(past.header["memory"], past.arrays)
+        self._job = self._part, self.steps, self.wall_time  # where this job begins
+        self._long_steps = long_steps(state, opt, self.t)
+        self._interval = OFTEN if opt["fsi_progress"] or sys.stdout.isatty() else USUAL
+        self._next_line = time.monotonic() + self._interval
 
     def line(self, *texts: str) -> None:
         for text in texts if self._speaks else ():
             say(text)
+
+    def note(self, *texts: str) -> None:
+        self.line(*(f"note: {text}" for text in texts))
 
     def _say_what_runs(self) -> None:
         state, h = self.state, self.opt["fsi_h"]
@@ -150,18 +163,20 @@ class Run(Integrator):
             f"{state.points} points on {counted(self.comm.size, 'rank')}, "
             f"to t = {self.opt['ts_max_time']:g}{self.s}"
         )
+        if self.past is not None:
+            when = f"step {self.steps}, t = {self.t:.6g}{self.s}"
+            self.line(f"goes on from {self.past.path}: {when}")
 
     def look(self) -> None:
         """Print what the case is made of, notes, and the first step. Collective."""
         opt = self.opt
-        self.start()
         self._say_what_runs()
         if isinstance(self.problem, BlockProblem):
             self.line(table(geometry_rows(self.problem)))
-        self.line(*first_notes(self.state, opt))
+        self.note(*first_notes(self.state), *self._long_steps)
         rate = float(self.state.results[RATE])
         dt = float(longest_step(opt["fsi_cfl"], opt["ts_dt"] or 0.0, rate))
-        count = f"{opt['ts_max_time'] / dt:,.0f} like it to the end"
+        count = f"{(opt['ts_max_time'] - self.t) / dt:,.0f} like it to the end"
         self.line(f"first step: {dt:.3g}{self.s}, by {self.bound}; {count}")
         self.line("checked, and not run")
 
@@ -183,24 +198,26 @@ class Run(Integrator):
         if not self._speaks or now < self._next_line:
             return
         self._next_line = now + self._interval
-        end, took = self.opt["ts_max_time"], self.wall_time
-        part = max(self.t / end, self.steps / self.opt["ts_max_steps"])
+        end, (part, steps, wall_time) = self.opt["ts_max_time"], self._job
+        done, took = self._part, self.wall_time - wall_time
         bound = f" by {self.bound}" if self.bound else ""
         self.line(
-            f"  t = {self.t:.4g} of {end:g}{self.s} ({100 * part:.0f} %), step {self.steps}, "
-            f"dt = {dt:.3g}{self.s}{bound}, {self.steps / took:.3g} steps/s, "
-            f"{duration(took * (1.0 / part - 1.0))} left"
+            f"  t = {self.t:.4g} of {end:g}{self.s} ({100 * done:.0f} %), step {self.steps}, "
+            f"dt = {dt:.3g}{self.s}{bound}, {(self.steps - steps) / took:.3g} steps/s, "
+            f"{duration(took * (1.0 - done) / (done - part))} left"
         )
+
+    @property
+    def _part(self) -> float:
+        """Which part of the run is done."""
+        return max(self.t / self.opt["ts_max_time"], self.steps / self.opt["ts_max_steps"])
 
     def open(self) -> RunWriter:
         """Begin the result, or go on with it. Collective; InputError, FileError."""
         other = restart.check_place(self.comm, self.path, self.opt, self.past)
-        # a number of its own, by which result and checkpoints are recognised, and when it began
-        created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
-        self.mark, after = {"run": uuid.uuid4().hex, "created": created}, None
-        if self.past is not None:
-            self.mark = self.past.header["run"]
-            after = (*self.past.header["result"], self.past.header["memory"]["t"])
+        after = None
+        if (past := self.past) is not None:
+            after = past.header["run"], *past.header["result"], past.header["memory"]["t"]
         header = {
             "case": self.name,
             "options": dict(self.opt),
@@ -217,7 +234,7 @@ class Run(Integrator):
             "notes": list(self.problem.notes),
             "units": self.problem.units,
             "laws": self.problem.invariants,
-            **self.mark,
+            "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
         }
         about = header, self.state.grids(), self.take_series, after, other
         self.writer = RunWriter(self.comm, self.opt["fsi_output"], *about)
@@ -229,7 +246,7 @@ class Run(Integrator):
         self.writer.write_frame(self.t, self.state.save())
         found = imaginary_waves(self.state, self.t, self._told)
         self._told.update(found)
-        self.line(*(f"note: {text}" for text in found.values()))
+        self.note(*found.values())
 
     def follow_up(self, longest: float, passed: bool, due: bool) -> None:
         self._say_progress(longest)
@@ -247,7 +264,7 @@ class Run(Integrator):
             "case": self.name,
             "options": {k: v for k, v in self.opt.items() if k not in OF_A_RUN},
             "facts": restart.facts(self.state),
-            "run": self.mark,
+            "run": self.writer.mark,
             "memory": self.memory(),
             "result": [self.writer.nframes, self.writer.rows],
         }
@@ -256,17 +273,22 @@ class Run(Integrator):
         together(self.comm, lambda: arrays and write(self.path, header, arrays))
 
     def go(self) -> None:
-        """Begin or go on, integrate, and complete the result, also after a failure."""
+        """Integrate, and complete the result, also after a failure. Collective."""
         self.line(*(f"kept the earlier {a.name} as {b}" for a, b in self.writer.moved))
+        self._say_what_runs()
         failure: Exception | None = None
         found: dict[str, dict[str, float]] | None = None
         try:
-            self._begin()
+            if not self.writer.nframes:
+                self.initial = self.reached or self.initial  # of a restart with a file of its own
+                self.frame()
+            if self.past is None:
+                self.note(*first_notes(self.state), *self._long_steps)
             self.run()
             if self.t > self.saved_at:  # ended between two saved times
                 self.frame()
             found = self.state.errors(self.t, self.opt["fsi_norm"])
-            self.line(*(f"note: {text}" for text in steep_waves(self.state, self.opt)))
+            self.note(*steep_waves(self.state, self.opt))
         except (ComputationError, InputError, file_layout.CheckpointError) as error:
             failure = error
             if isinstance(error, ComputationError):
@@ -296,23 +318,6 @@ class Run(Integrator):
             when = f"{signal.Signals(number).name} at t = {self.t:.6g}{self.s}"
             kept = f"the result so far is in {where}, the checkpoint in {self.path}"
             raise Interrupted(number, f"stopped by {when}; {kept}")
-
-    def _begin(self) -> None:
-        self._say_what_runs()
-        if self.past is None:
-            self.start()
-            self._long_steps = long_steps(self.state, self.opt)
-            self.frame()
-            self.line(*first_notes(self.state, self.opt))
-        else:
-            self.resume(self.past.header["memory"], self.past.arrays)
-            when = f"step {self.steps}, t = {self.t:.6g}{self.s}"
-            self.line(f"goes on from {self.past.path}: {when}")
-            if not self.writer.nframes:  # a file of its own
-                self.initial = self.reached
-                self.frame()
-        self._interval = OFTEN if self.opt["fsi_progress"] or sys.stdout.isatty() else USUAL
-        self._next_line = time.monotonic() + self._interval
 
     def _summary(self, failure: Exception | None) -> dict[str, Any]:
         state, names = self.state, self.problem.interface_names
