@@ -20,7 +20,7 @@ from fsipetsc.blocks.face_formulas import Effect
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.checks import block_values, checked, names_of, place_text
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.arrays import aligned
+from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.kernels.symbols import Symbol, numbers_of
 from fsipetsc.parallel.block_layout import Part
@@ -197,7 +197,7 @@ class BlockPart(Part):
         places = np.meshgrid(*index, indexing="ij")
         at = np.ravel_multi_index(places, self.patch.ghosted, order="F").ravel(order="F")
         areas = np.zeros((9, int(np.prod([end - begin for begin, end in where]))))
-        x, curls = aligned(wide.y.size).reshape(wide.y.shape), Curls(wide, [(axis, 0)])
+        x, curls = zeros(wide.y.shape), Curls(wide, [(axis, 0)])
         of_wide = {"curls": curls, "x": x, "y": wide.y, "at": at, "areas": areas}
         of_face = {"row": 3 * axis, "begin": nodes.start, "nodes": nodes.stop - nodes.start}
         return SimpleNamespace(**of_wide, **of_face, sign=1.0 if side else -1.0)

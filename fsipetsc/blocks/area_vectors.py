@@ -21,7 +21,7 @@ from fsipetsc.blocks.block import Range
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.equations.tensors import cofactor, determinant
 from fsipetsc.equations.vectors import add, along, cross, sub, total
-from fsipetsc.kernels.arrays import aligned
+from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.kernel import PLANES, SHARED, Kernel
 from fsipetsc.kernels.loops import each, pick, when
 from fsipetsc.kernels.symbols import exact
@@ -157,7 +157,7 @@ class Curls(Rows):
         self.layers[:, begin:end] = [first[0], *(last[:-1] + 1)], last + 1
         self.slots = int((last - first).max()) + 1
         self.ring = axis_of(wide.bands[2], wide.near, layers % self.slots * in_layer)
-        self.q = aligned(9 * self.slots * in_layer).reshape(9, -1)
+        self.q = zeros((9, self.slots * in_layer))
         self.of_periods = np.array([np.cross(wide.P[i - 2], wide.P[i - 1]) for i in range(3)])
 
     def find(self, x, a, first, end):

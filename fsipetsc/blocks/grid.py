@@ -28,7 +28,7 @@ from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.hull import Blend, Hull, put_on_faces
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.checks import Array
-from fsipetsc.kernels.arrays import aligned, column, zeros
+from fsipetsc.kernels.arrays import column, zeros
 from fsipetsc.kernels.loops import each, pick
 from fsipetsc.kernels.symbols import exact
 
@@ -53,7 +53,7 @@ class Grid(SimpleNamespace):
         self.hull = Hull(block, nodes, centred)
         self.blend = Blend(block, wide, self.hull.nodes, centred)
         self.wide, self.range = self.blend.every, self.blend.inner
-        self.y, self.x = wide.y, aligned(wide.y.size).reshape(wide.y.shape)
+        self.y, self.x = wide.y, zeros(wide.y.shape)
         self.prepare(wide, faces)
         self.volume = np.zeros(self.rows.nodes)
         self.metrics = zeros((d * d + d + (problem.symmetry > 0), self.rows.nodes))
@@ -96,7 +96,7 @@ class Cube(Grid):
 
     def prepare(self, wide: Wide, faces: Any) -> None:
         self.rows, self.flat = Curls(wide, faces), self.x
-        self.moved = aligned(wide.y.size).reshape(wide.y.shape)
+        self.moved = zeros(wide.y.shape)
         self.ahead, self.back = np.zeros((2, 9, self.rows.nodes))
 
     def edge(self, known):
@@ -130,7 +130,7 @@ class Radial(Grid):
         d, W = wide.y.shape
         self.rows, self.every = Rows(wide, wide.where), Rows(wide, wide.wide)
         self.inner, self.area = wide.inner(np.arange(W)), np.zeros(W)
-        self.flat, self.w, self.through = (aligned(d * W).reshape(d, W) for _ in range(3))
+        self.flat, self.w, self.through = (zeros((d, W)) for _ in range(3))
         self.v, self.b, self.still = np.zeros((d, W)), np.zeros((d * d, W)), np.zeros((d, d))
         self.source, self.turning = np.zeros(self.inner.size), np.zeros((d * d, self.inner.size))
         self.bounds = np.zeros((d * d + d + 1, self.inner.size))

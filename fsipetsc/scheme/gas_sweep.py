@@ -33,7 +33,7 @@ from fsipetsc.checks import Array
 from fsipetsc.equations.gas import NEAR
 from fsipetsc.equations.tensors import outer
 from fsipetsc.equations.vectors import add, along, mean, scale, sub
-from fsipetsc.kernels.arrays import aligned
+from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel
 from fsipetsc.kernels.loops import each, when
 from fsipetsc.operators.bands import Patch
@@ -82,8 +82,7 @@ class GasSweep(Sweep):
         *others, (begin, _), (_, end) = self.ranges
         self.steps = order(last.S, (*others, self.ranges[-2], (begin, end)))
         self.spans = _spans(x.S, patch.first[0], patch.first[0] + patch.own[0])
-        self.per_weight, self.low = 1.0 / x.weight, aligned(kernels.sums * self.width)
-        self.low = self.low.reshape(kernels.sums, self.width)
+        self.per_weight, self.low = 1.0 / x.weight, zeros((kernels.sums, self.width))
         raised = int(kernels.raises)
         self.potential = np.zeros(raised * int(np.prod(patch.ghosted)))
         self.supplied = np.zeros((raised * int(np.prod(patch.own)), d + 1))

@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.equations.vectors import add, along, sub
-from fsipetsc.kernels.arrays import aligned
+from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.kernel import OWNED, ROWS, Kernel, floats_of
 from fsipetsc.kernels.loops import each, either, pick, when, whole
 from fsipetsc.operators.bands import Patch
@@ -147,10 +147,10 @@ class Sweep(SimpleNamespace):
         axes = [axis_of(band, kernels.near, at) for band, at in zip(bands, places, strict=True)]
         there = in_order(range(3), d)[:d]
         self.inside = tuple(axes[k].inside if k in there else None for k in range(3))
-        self.axes, count = in_order(axes, d)[:d], self.layers * self.depth * self.width
-        made = {name: aligned(n * count).reshape(-1, n, self.width) for name, n in numbers.items()}
+        self.axes, count = in_order(axes, d)[:d], self.layers * self.depth
+        made = {name: zeros((count, n, self.width)) for name, n in numbers.items()}
         self.tile = SimpleNamespace(**made)
-        self.k = aligned(kernels.dof * self.width).reshape(kernels.dof, self.width)
+        self.k = zeros((kernels.dof, self.width))
 
     @property
     def ranges(self) -> list[tuple[int, int]]:
