@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blockrun.saved import fields_of
-from fsipetsc.blocks.area_vectors import Curls
 from fsipetsc.blocks.block_problem import Meeting
 from fsipetsc.blocks.conditions import COLUMNS, VECTORS, Condition
 from fsipetsc.blocks.face_formulas import Effect
-from fsipetsc.blocks.metrics import Wide
+from fsipetsc.blocks.metrics import Curls
 from fsipetsc.checks import block_values, checked, names_of, place_text
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
@@ -189,16 +188,15 @@ class BlockPart(Part):
         sizes = zip(ghosted, self.patch.first, self.patch.own, strict=True)
         where = [(begin + first, begin + first + own) for (begin, _), first, own in sizes]
         where[axis] = (shape[axis] - 1, shape[axis]) if side else (0, 1)
-        wide = Wide(self.problem, self.k, self.order, where)
+        curls = Curls(self.problem, self.k, self.order, where, faces=[(axis, 0)])
         index = [
             np.clip(np.arange(*ends) - begin, 0, end - begin - 1)
-            for ends, (begin, end) in zip(wide.wide, ghosted, strict=True)
+            for ends, (begin, end) in zip(curls.wide, ghosted, strict=True)
         ]
         places = np.meshgrid(*index, indexing="ij")
         at = np.ravel_multi_index(places, self.patch.ghosted, order="F").ravel(order="F")
-        areas = np.zeros((9, int(np.prod([end - begin for begin, end in where]))))
-        x, curls = zeros(wide.y.shape), Curls(wide, [(axis, 0)])
-        of_wide = {"curls": curls, "x": x, "y": wide.y, "at": at, "areas": areas}
+        areas, x = np.zeros((9, curls.N)), zeros(curls.y.shape)
+        of_wide = {"curls": curls, "x": x, "y": curls.y, "at": at, "areas": areas}
         of_face = {"row": 3 * axis, "begin": nodes.start, "nodes": nodes.stop - nodes.start}
         return SimpleNamespace(**of_wide, **of_face, sign=1.0 if side else -1.0)
 

@@ -1,63 +1,219 @@
-"""Metric terms of blocks from derivatives D_k of places: cofactors of solids, the gas's curl form.
+"""Metric terms of blocks from derivatives D_k of places: cofactors of D x on lines and planes and
+of solids. Those of gases in three dimensions have the curl form, with sum_k D_k a^k = 0:
 
-D is a sum that is its own mirror image, as in fsipetsc.operators.slopes. Along periodic axes only
-periodic functions are differentiated: X = y + sum_k xi_k P_k, with P_k the period of axis k, or 0.
+    a^i = D_j q_k - D_k q_j + P_j cross P_k,    q_k = 1/2 x cross D_k x + x cross P_k
+
+with (i, j, k) cyclic (Thomas and Lombard, AIAA J. 17 (1979) 1030-1037). Along periodic axes only
+periodic functions are differentiated: X = x + sum_k xi_k P_k, with P_k the period of axis k, or 0.
+
+All are exact sums (fsipetsc.operators.slopes): blocks that share a face get the same bits for what
+lies within it, whichever way their axes run.
 """
+
+from collections.abc import Sequence
+from functools import cache, partial
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
 from fsipetsc.blocks.block import Range, determinant, mesh
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.checks import Array, place_text
-from fsipetsc.equations.tensors import cofactor
+from fsipetsc.equations import tensors
+from fsipetsc.equations.vectors import add, along, cross, sub, total
 from fsipetsc.errors import InputError
-from fsipetsc.operators.bands import Band
-from fsipetsc.operators.slopes import axis_of
+from fsipetsc.kernels.arrays import zeros
+from fsipetsc.kernels.kernel import PLANES, SHARED, Kernel
+from fsipetsc.kernels.loops import each, pick, when
+from fsipetsc.kernels.symbols import exact
+from fsipetsc.operators.slopes import Near, axis_of, kinds, slope
+
+#: planes from which kernels take numbers
+WIDE = "{c} * W + {i}"
+#: instead of the number of an axis: all of them
+ALL = 3
 
 
-class Wide:
-    """A range of nodes of a block, and the wider one that their derivatives need.
+@cache
+def grid_kernel(d: int, near: Near, of: str, i: int = 0) -> Kernel:
+    """The kernel that makes planes out of planes x and of periods P, in d dimensions."""
+    kernel = Kernel(f"{of}_{i}{'_inside' * (near[0] > 0)}", f"{of.capitalize()} of nodes of a row.")
+    j, k = (i + 1) % 3, (i + 2) % 3
+
+    def D(axis: int, count: int = d, first: int = 0) -> Any:
+        return slope(kernel, "x", WIDE, axis, near, count, first)
+
+    def P(axis: int) -> Any:
+        return kernel.read("P", SHARED, d, d * axis)
+
+    if of == "divergence":
+        found = (total(D(axis, 1, axis)[0] for axis in range(d)),)
+    elif of == "potential":
+        x = kernel.read("x", WIDE, 3)
+        found = along(cross(x, P(i)), 0.5, cross(x, D(i)))
+    elif of == "curl":
+        found = add(sub(D(j, 3, 3 * k), D(k, 3, 3 * j)), P(0))
+    else:
+        G = total(add(D(axis), P(axis)) for axis in range(d))
+        found = tensors.cofactor(G) if of == "metrics" else (tensors.determinant(G),)
+    kernel.store("out", PLANES, exact(tuple(found)))
+    return kernel
+
+
+class Wide(SimpleNamespace):
+    """A range of N nodes of a block, and the W nodes of the wider one that their derivatives need,
+    a record for procedures.
 
     where: the range, beyond the ends on periodic axes only, or to images before a centre. wide: it
-    and, as far as there are nodes, as many more on each side as pairs reach, sizes: how many along
-    each axis. bands: of the axes, cut to it; near: as kernels of derivatives take it. P: (d, d),
-    the periods. y: (d, N), the periodic part of X.
+    and, as far as there are nodes, as many more on each side as pairs reach; sizes: how many along
+    three axes; axes: neighbours along the axes. range, every: (3, 2) first node and first beyond of
+    both, among the wide ones. P: (d, d), the periods. y: (d, W), the periodic part of X.
     """
 
     def __init__(self, problem: BlockProblem, k: int, order: int, where: Range) -> None:
-        block, centred = problem.blocks[k], problem.centred(k)
-        self.where, self.wide, self.bands = [tuple(ends) for ends in where], [], []
+        block, centred, d = problem.blocks[k], problem.centred(k), problem.dimension
+        self.where, self.wide, bands = [tuple(ends) for ends in where], list[Any](), []
         for axis, (begin, end) in enumerate(where):
             band, n = problem.band(k, order, axis), block.shape[axis]
             begin, end = begin - band.reach, end + band.reach
             if not block.periodic[axis]:
-                images = n if centred and axis == problem.dimension - 1 else 0
+                images = n if centred and axis == d - 1 else 0
                 begin, end = max(begin, -images), min(end, n)
             self.wide.append((begin, end))
-            self.bands.append(band.part(begin, end))
-        self.near = order // 2, max(band.reach for band in self.bands)
-        self.sizes = tuple(end - begin for begin, end in self.wide)
-        ranges = list(zip(self.where, self.wide))[::-1]
-        self._inner = tuple(slice(a - first, b - first) for (a, b), (first, _) in ranges)
+            bands.append(band.part(begin, end))
+        near, self.last = (order // 2, max(band.reach for band in bands)), bands[-1]
+        self.near, self.kernels = near, [partial(grid_kernel, d, of) for of in ((0, near[1]), near)]
+        begins = [begin for begin, _ in self.wide]
+        self.every, self.range = np.tile(np.array([0, 1]), (2, 3, 1))
+        for box, ends in (self.every, self.wide), (self.range, where):
+            box[:d] = np.array(ends) - np.array(begins)[:, None]
+        self.sizes = tuple(self.every[:, 1].tolist())
+        self.W, self.N = (int(np.prod(box[:, 1] - box[:, 0])) for box in (self.every, self.range))
+        steps = np.cumprod(self.sizes)
+        places = None, *(np.arange(n) * step for n, step in zip(self.sizes[1:], steps))
+        self.axes = tuple(axis_of(band, near, at) for band, at in zip(bands, places))
         index = mesh([np.arange(*ends) for ends in self.wide])
-        self.P, around = block.periods, zip(index, block.shape, block.periodic)
+        around = zip(index, block.shape, block.periodic)
         index = [i % n if closed else i for i, n, closed in around]
-        y = problem.places_at(k, index).reshape(len(index), -1)
+        self.P, y = block.periods, problem.places_at(k, index).reshape(d, -1)
         for P, i, cells in zip(self.P, index, block.cells):
             y = y - np.multiply.outer(P, i.ravel() / cells)
         self.y = np.ascontiguousarray(y)
 
     def inner(self, f: Array) -> Array:
-        """The part of f (…, wide nodes) on the range, (…, nodes)."""
-        seen = f.reshape(*f.shape[:-1], *self.sizes[::-1])[(..., *self._inner)]
+        """The part of f (…, W) on the range, (…, N)."""
+        (x0, x1), (y0, y1), (z0, z1) = self.range
+        seen = f.reshape(*f.shape[:-1], *self.sizes[::-1])[..., z0:z1, y0:y1, x0:x1]
         return seen.reshape(*f.shape[:-1], -1)
 
     def gradients(self) -> Array:
-        """D_k X (d, d, nodes of the range): axis, component."""
-        steps = np.cumprod((1, *self.sizes[:-1]))
-        bands = zip(self.bands, steps, strict=True)
-        G = np.array([differentiate(self.y, band, before) for band, before in bands])
-        return self.inner(G) + self.P[..., None]
+        """D_k X (d, d, N): axis, component."""
+        G, before = [], 1
+        for axis, n in zip(self.axes, self.sizes):
+            reach, i = axis.weights.shape[1] // 2, np.arange(n)
+            u, found = self.y.reshape(len(self.P), -1, n, before), 0.0
+            for m in range(reach):
+                ahead, behind = (u[..., np.clip(i + k, 0, n - 1), :] - u for k in (m + 1, -1 - m))
+                w = axis.weights[:, [m, reach + m], None]
+                found = found + (w[:, 0] * ahead - w[:, 1] * behind)
+            G.append(np.reshape(found, self.y.shape))
+            before *= n
+        return self.inner(np.array(G)) + self.P[..., None]
+
+    # in procedures
+
+    def run(self, of, x, out, P, everywhere=False):
+        """Run a kernel on the range, or on all nodes. x: planes of all, out: of the range."""
+        source, flat = (x.reshape(-1), self.W, self.axes, self.at), out.reshape(-1)
+        box, *to = (self.every, self.W, self.at) if everywhere else (self.range, self.N, self.place)
+        for z in each(box[2, 0], box[2, 1]):
+            self.run_layer(of, 0, box, z, range(len(self.axes)), source, (flat, *to), P)
+
+    def run_layer(self, of, i, box, z, along, source, target, P):
+        """Run a kernel on the rows of a layer of a box. source: planes, how far they are apart, the
+        neighbours there, and at(x, y, z), where a node is; target: the same without neighbours.
+        along: the axes along which it takes derivatives.
+        """
+        (x, W, axes, at), (out, N, place) = source, target
+        inside = [axes[k].inside if k in along else None for k in range(3)]
+        inside[0] = inside[0] or (0, self.sizes[0])
+        for y in each(box[1, 0], box[1, 1]):
+            first, last = box[0, 0], box[0, 1]
+            for begin, n, kind in kinds(first, last - first, y, z, inside):
+                node = begin, y, z
+                given = {"x": x[at(*node) :], "W": W, "out": out[place(*node) :], "N": N, "P": P[0]}
+                for k in along:
+                    given |= axes[k].given(k, node[k])
+                self.kernels[kind](of, i)(n, **given)
+
+    def at(self, x, y, z):
+        """The number of a node among all."""
+        return (z * self.sizes[1] + y) * self.sizes[0] + x
+
+    def place(self, x, y, z):
+        """Its number in the range."""
+        (x0, x1), (y0, y1), (z0, _) = ((self.range[k, 0], self.range[k, 1]) for k in range(3))
+        return ((z - z0) * (y1 - y0) + (y - y0)) * (x1 - x0) + (x - x0)
+
+
+class Curls(Wide):
+    """The same in three dimensions. Layers of q are found when they are needed, and few are kept,
+    in a ring.
+
+    boxes: (1 + count, 2, 3, 2) of nodes whose area vectors are wanted, and of those whose q these
+    need: first of the range, then of its ``faces``, (axis, index along it). only: ALL, or the axis
+    i of a face, whose a^i is wanted. far: layers between neighbours. ring: of q, the neighbours
+    along the last axis. products: of periods, P_j cross P_k.
+    """
+
+    def __init__(self, *of_wide: Any, faces: Sequence[Any] = ()) -> None:
+        super().__init__(*of_wide)
+        reach, boxes = self.axes[0].weights.shape[1] // 2 * np.array([-1, 1]), []
+        for axis, at in ((ALL, 0), *faces):
+            box, across = self.range.copy(), np.arange(3)[:, None] != axis
+            if axis != ALL:
+                box[axis] = box[axis, 0] + at + np.array([0, 1])
+            boxes.append((box, np.clip(box + reach * across, 0, self.every[:, 1:])))
+        self.boxes, self.only = np.array(boxes), np.array([ALL, *(axis for axis, _ in faces)])
+        layer = self.sizes[0] * self.sizes[1]
+        self.far = int(np.abs(self.axes[2].far).max()) // layer
+        self.slots = 2 * self.far + 1
+        places = np.arange(self.sizes[2]) % self.slots * layer
+        self.ring = axis_of(self.last, self.near, places)
+        self.q = zeros((9, self.slots * layer))
+        self.products = np.array([np.cross(self.P[i - 2], self.P[i - 1]) for i in range(3)])
+
+    def find(self, x, a, first, end):
+        """Fill planes a (9, N) with area vectors of the boxes first … end - 1, x: (3, W)."""
+        for b in each(first, end):
+            only, box, of_q = self.only[b], self.boxes[b, 0], self.boxes[b, 1]
+            for z in each(box[2, 0], box[2, 1]):
+                next_one = pick(z == box[2, 0], z - self.far, z + self.far)
+                ends = np.maximum(next_one, of_q[2, 0]), np.minimum(z + self.far + 1, of_q[2, 1])
+                for layer in each(*ends):
+                    for k in range(3):
+                        with when(only != k):
+                            self.find_potential(x, k, of_q, layer)
+                for i in range(3):
+                    with when((only == i) | (only == ALL)):
+                        self.find_area(i, a, box, z)
+
+    def find_potential(self, x, k, box, z):
+        """Fill q_k of the rows of a layer of a box."""
+        source = x[0], self.W, self.axes, self.at
+        target = self.q[3 * k], self.q.shape[1], self.at_q
+        self.run_layer("potential", k, box, z, (k,), source, target, self.P)
+
+    def find_area(self, i, a, box, z):
+        """Fill a^i of the rows of a layer of a box."""
+        source = self.q[0], self.q.shape[1], (*self.axes[:2], self.ring), self.at_q
+        along, target = ((i + 1) % 3, (i + 2) % 3), (a[3 * i], self.N, self.place)
+        self.run_layer("curl", i, box, z, along, source, target, self.products[i:])
+
+    def at_q(self, x, y, z):
+        """Where a node is in the ring."""
+        return self.at(x, y, z % self.slots)
 
 
 def solid_metrics(problem: BlockProblem, k: int, order: int, where: Range) -> Array:
@@ -73,20 +229,7 @@ def solid_metrics(problem: BlockProblem, k: int, order: int, where: Range) -> Ar
         i = int(np.argmin(J))
         found = f"{problem.blocks[k]}: J = {J[i]:.3g} at {place_text(X[:, i])}: expected J > 0"
         raise InputError(f"{found}: more cells, or another map", collective=False)
-    metrics = np.array([*cofactor(tuple(G.reshape(-1, J.size))), J])
+    metrics = np.array([*tensors.cofactor(tuple(G.reshape(-1, J.size))), J])
     if problem.symmetry:
         metrics = np.concatenate([metrics * X[-1] ** problem.symmetry, X[-1:]])
     return metrics
-
-
-def differentiate(f: Array, band: Band, before: int) -> Array:
-    """D f along one axis of flat arrays (…, N), `before` nodes of faster axes between neighbours.
-    Next to where a band is cut the result is of no use.
-    """
-    axis, reach, i = axis_of(band, (1, band.reach)), band.reach, np.arange(len(band.weight))
-    u, found = f.reshape(*f.shape[:-1], -1, i.size, before), 0.0
-    for m in range(reach):
-        ahead, behind = (u[..., np.clip(i + n, 0, i[-1]), :] - u for n in (m + 1, -1 - m))
-        w = axis.weights[:, [m, reach + m], None]
-        found = found + (w[:, 0] * ahead - w[:, 1] * behind)
-    return found.reshape(f.shape)

@@ -133,7 +133,7 @@ def turn_face(face, q, normal):
     now. They have the curl form, with derivatives within the face only, and the bits that a gas
     there has.
 
-    face: curls: of it (fsipetsc.blocks.area_vectors); x: (3, W) places less those of linear maps,
+    face: curls: of it (fsipetsc.blocks.metrics); x: (3, W) places less those of linear maps,
     y: (3, W) these at rest, at: (W,) the nodes; areas: (9, n), of which rows from ``row`` on are
     filled. sign: of the outward normal. begin, nodes: which nodes of the faces it has, perhaps none
     on this rank.

@@ -198,7 +198,8 @@ def find_volumes(part):
 
 def begin_grid(part):
     """Find a^k and J of a grid where it is now."""
-    edge(part)
+    if len(part.like) < 3:
+        edge(part)
     part.grid.move()
     find_volumes(part)
 
