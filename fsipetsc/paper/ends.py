@@ -43,9 +43,9 @@ def distance(layer):
     return np.absolute(layer.end_x - layer.frame[1]) / layer.h
 
 
-def beyond_boundary(layer):
-    """delta: how far the ghost point lies outside, in cells."""
-    return number(layer.hi - layer.lo) - distance(layer)
+def delta_of(layer):
+    """How far the ghost point lies outside, in cells."""
+    return number(layer.cells) - distance(layer)
 
 
 # formulas of an embedded boundary
@@ -85,17 +85,18 @@ def dirichlet_ghost(g, v, weights, degree, least):
     return s / (weights[0] + eta)
 
 
-def insulated_ghost(p, narrow, T, delta):
+def insulated_ghost(layer, T, delta):
     """T of the ghost point so that no heat flows through a wall at delta.
 
     The interpolant of degree s = p has zero slope there (Kreiss et al. 2004); differences of the
     orders s + 1 ... are added, with eta fitted to the error that D makes at its closure.
     """
+    p, eta_of = layer.op.p, ETA_NARROW if layer.narrow else ETA
     last = p + 3 if p == 4 else p + 1
     _, slopes = lagrange(delta, p)
     for q in range(p + 1, last + 1):
         eta, binomial = 0.0, 1.0
-        for coefficient in (ETA_NARROW if narrow else ETA)[p - 1, q - p - 1, ::-1]:
+        for coefficient in eta_of[p - 1, q - p - 1, ::-1]:
             eta = eta * delta + float(coefficient)
         slopes += [0.0] * (q + 1 - len(slopes))
         for k in range(q + 1):
@@ -105,7 +106,7 @@ def insulated_ghost(p, narrow, T, delta):
 
 
 class GasEnd:
-    """An end of a gas. rho, u, T: of the ghost point, number 0, and of points inside of it; data:
+    """An end of a gas. points: (rho, u, T) of the ghost point, and of points inside of it; data:
     what is given there. new: degree of the extrapolation that fills a new point. ghost(): (rho, u,
     T) of the ghost point. gradient(): (u, T) of it for gradients, where they are others.
     """
@@ -113,36 +114,42 @@ class GasEnd:
     new = 2
     gradient = None
 
-    def __init__(self, layer, ghost):
+    def __init__(self, layer):
         self.gas, self.layer, side = layer.material, layer, layer.side
         self.n, self.data = 2.0 * side - 1.0, layer.given[side]
-        self.degree, self.delta = degree_of(layer.ends[side], layer.op.p), beyond_boundary(layer)
-        found = []
+        self.degree, self.delta, self.points = (
+            degree_of(layer.ends[side], layer.op.p),
+            delta_of(layer),
+            [],
+        )
         # who owns the next point to come in has these in its halo; no layer has fewer
         for k in range(min(NODES, halo_of_rates(layer.op))):
-            rho, m, e = (layer.local[c, ghost + (1 - 2 * side) * k] for c in range(3))
-            found.append((rho, *self.gas.velocity_and_temperature(rho, m, e)))
-        self.rho, self.u, self.T = (list(values) for values in zip(*found, strict=True))
+            rho, m, e = (layer.local[c, layer.ghost + (1 - 2 * side) * k] for c in range(3))
+            self.points.append((rho, *self.gas.velocity_and_temperature(rho, m, e)))
 
-    def given(self, values, data, least=LEAST):
-        """The ghost point's value with which data are met at the boundary."""
+    def given(self, c, data, least=LEAST):
+        """Number c of the ghost point with which data are met at the boundary."""
         weights, _ = lagrange(self.delta, self.degree)
+        values = [point[c] for point in self.points]
         return dirichlet_ghost(data, values, weights, self.degree, least)
 
-    def nodes(self, count):
-        """(rho, u, T) of the first points."""
-        return [*zip(self.rho, self.u, self.T)][:count]
+    def fill(self, new=False):
+        """Give the ghost point its values. new: it has none yet."""
+        for_new = [0.0] * NODES, self.new + 1, 1.0  # of the highest difference, which vanishes
+        if new:
+            self.points[0] = tuple(dirichlet_ghost(0.0, v, *for_new) for v in zip(*self.points))
+        rho, u, T = self.ghost()
+        self.layer.local[:, self.layer.ghost] = rho, rho * u, self.gas.total_energy(rho, u, T)
 
 
 class WallEnd(GasEnd):
     """An adiabatic no-slip wall: u = 0, T_X = 0, and p + n Z u keeps its value."""
 
     def ghost(self):
-        law, ((rho, u, T),) = self.gas.law, self.nodes(1)
-        Z = rho * np.sqrt(law.sound_speed_squared(rho, T))
-        u_G = self.given(self.u, 0.0)
+        law, (rho, u, T) = self.gas.law, self.points[0]
+        Z, u_G = rho * np.sqrt(law.sound_speed_squared(rho, T)), self.given(1, 0.0)
         p_G = law.pressure(rho, T) - self.n * Z * (u_G - u)
-        T_G = insulated_ghost(self.layer.op.p, self.layer.narrow, self.T, self.delta)
+        T_G = insulated_ghost(self.layer, [point[2] for point in self.points], self.delta)
         return law.density(p_G, T_G), u_G, T_G
 
 
@@ -157,8 +164,13 @@ class DirichletEnd(GasEnd):
     new = 3
 
     def ghost(self):
-        law, n, data, ((rho, u, T), (rho1, u1, T1)) = self.gas.law, self.n, self.data, self.nodes(2)
-        rho_D, u_D, T_D = map(self.given, (self.rho, self.u, self.T), (data[c] for c in range(3)))
+        law, n, data, ((rho, u, T), (rho1, u1, T1)) = (
+            self.gas.law,
+            self.n,
+            self.data,
+            self.points[:2],
+        )
+        rho_D, u_D, T_D = (self.given(c, data[c]) for c in range(3))
         c2 = law.sound_speed_squared(rho1, T1)
         c, outflow = np.sqrt(c2), n * data[1] >= 0.0
         all_in = n * data[1] <= -np.sqrt(law.sound_speed_squared(data[0], data[2]))
@@ -173,7 +185,7 @@ class DirichletEnd(GasEnd):
     def gradient(self):
         """Those with which data are met at the boundary."""
         least = LEAST if self.degree < 4 else LEAST_OF_GRADIENTS
-        return tuple(self.given(v, self.data[c], least) for c, v in ((1, self.u), (2, self.T)))
+        return tuple(self.given(c, self.data[c], least) for c in (1, 2))
 
 
 class OpenEnd(GasEnd):
@@ -192,7 +204,7 @@ class OpenEnd(GasEnd):
         c, by_heat = np.sqrt(c2), law.pressure_by_temperature(rho, T0) / cv
         mu, kappa, tau = gas.viscosity(T0), gas.conductivity(T0), T0 * by_heat / (rho * rho * c2)
         alpha = kappa * law.bulk_modulus(rho, T0) / (cv * rho * rho * c2)
-        longest = LONGEST * c * self.layer.h * number(self.layer.hi - self.layer.lo)
+        longest = LONGEST * c * self.layer.h * number(self.layer.cells)
         faded = 1.0 - np.maximum(mu, kappa / cv) / (rho * longest)
         part = self.data[3] * np.maximum(0.0, faded)
         return rho, c, tau, alpha, by_heat, 0.5 * (mu - tau * by_heat * kappa), kappa, part
@@ -200,14 +212,14 @@ class OpenEnd(GasEnd):
     def carried(self, a, alpha, part):
         """How much of q_nn = 0 there is where gas flows out with a, 0 to 1."""
         layer = self.layer
-        carrying = np.maximum(a, 0.0) * LONGEST * layer.h * number(layer.hi - layer.lo)
+        carrying = np.maximum(a, 0.0) * LONGEST * layer.h * number(layer.cells)
         return part * carrying / (carrying + alpha)
 
     def ghost(self):
         (p0, T0, u0), n, layer = (self.data[c] for c in range(3)), self.n, self.layer
         law, gamma = self.gas.law, layer.gamma
         rho0, c0, tau, alpha, by_heat, b, kappa, of_1 = self.beyond()
-        (rho, u, T), (rho1, u1, T1), (rho2, _, T2) = self.nodes(3)
+        (rho, u, T), (rho1, u1, T1), (rho2, _, T2) = self.points[:3]
         v1, c2 = n * (u1 - u0), law.sound_speed_squared(rho1, T1)
         p, p1 = law.pressure(rho, T), law.pressure(rho1, T1)
         Z, scale, m = rho1 * np.sqrt(c2), rho0 * c0 * c0 / gamma, 0.5 - 0.5 / gamma
@@ -234,7 +246,7 @@ class OpenEnd(GasEnd):
     def gradient(self):
         """Heat and viscous stress are imposed there."""
         gas, law, layer, p0, T0 = self.gas, self.gas.law, self.layer, self.data[0], self.data[1]
-        (rho, u, T), (rho1, u1, T1), (rho2, u2, T2) = self.nodes(3)
+        (rho, u, T), (rho1, u1, T1), (rho2, u2, T2) = self.points[:3]
         a = self.n * u
         imposed = (a < 0.0) | (a * a >= law.sound_speed_squared(rho1, T1))
         seen_u = np.where((gas.mu > 0.0) & imposed, 2.0 * u1 - u2, u)
@@ -243,7 +255,7 @@ class OpenEnd(GasEnd):
         q_n = T1 - T2 - tau * (p1 - p2)
         slow, conducted = np.maximum(1.0 + np.minimum(a, 0.0) / c0, 0.0), alpha / layer.h
         step = of_1 * slow * slow * tau * (p - p1) + self.carried(a, alpha, of_1) * q_n
-        width = layer.h * number(layer.hi - layer.lo)
+        width = layer.h * number(layer.cells)
         lost = 0.5 * (np.sqrt(a * a + 4.0 * (alpha / width) ** 2) - a)
         at_rest = T0 + tau * (p - p0)
         seen_T = (conducted * (T1 + step) + lost * at_rest) / (conducted + lost)
@@ -259,17 +271,9 @@ def end_of(layer):
     return OF_GAS[type(layer.ends[layer.side])]
 
 
-def fill_ghost(layer, new=False):
-    """Give the ghost point its values. All ranks do, those that need it from points in their halos.
-    new: it has no values yet.
-    """
-    ghost = layer.hi if layer.side else layer.lo
-    end = end_of(layer)(layer, ghost)
-    for v in (end.rho, end.u, end.T) if new else ():
-        # without data the highest difference is left, which vanishes
-        v[0] = dirichlet_ghost(0.0, v, [0.0] * NODES, end.new + 1, 1.0)
-    rho, u, T = end.ghost()
-    layer.local[:, ghost] = rho, rho * u, layer.material.total_energy(rho, u, T)
+def fill_ghost(layer):
+    """Fill the ghost point. All ranks do, those that need it from points in their halos."""
+    end_of(layer)(layer).fill()
 
 
 def move_boundary(layer):
@@ -286,14 +290,14 @@ def move_boundary(layer):
         target = below + pick(number(below) < cells, 1, 0)
         size = layer.local.shape[1]
         for _ in each(size):
-            stop(layer.hi - layer.lo >= target)
+            stop(layer.cells >= target)
             exhausted = active[side] == (size - 1 if side else 0)
             with when(exhausted):
                 layer.steps.results[OFF_GRID] = 1.0 + number(layer.number)
             stop(exhausted)
             active[side] = active[side] + outwards
-            fill_ghost(layer, new=True)
-        with when((layer.hi - layer.lo > target) & (target >= layer.least - 1)):
+            end_of(layer)(layer).fill(new=True)
+        with when((layer.cells > target) & (target >= layer.least - 1)):
             active[side] = active[1 - side] + outwards * target
             fill_ghost(layer)
 

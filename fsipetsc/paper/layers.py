@@ -26,8 +26,6 @@ from fsipetsc.parallel.exchange import RowExchange
 from fsipetsc.problem import Problem, check_place
 from fsipetsc.scheme.monitor import COLUMNS
 
-#: kind of layer -> unknowns of a point
-DOF = {"fluid": 3, "solid": 4}
 #: points by which a gas may grow, beside an eighth of its own
 SPARE = 16
 #: what the paper's method has of options that choose between methods
@@ -116,17 +114,18 @@ class Layer(SimpleNamespace):
         return 1 if self.ends[0] is None else 0
 
     @property
-    def lo(self) -> Any:
-        return self.active[0]
+    def ghost(self) -> Any:
+        """The point of a gas at or beyond its boundary."""
+        return self.active[self.side]
 
     @property
-    def hi(self) -> Any:
-        return self.active[1]
+    def cells(self) -> Any:
+        return self.active[1] - self.active[0]
 
     @property
     def span(self) -> tuple[Any, ...]:
         """(a, b, A, B), see fsipetsc.paper.stencils: this rank's own active points."""
-        (begin, end), A, B = self.own, self.lo, self.hi
+        (begin, end), (A, B) = self.own, (self.active[side] for side in (0, 1))
         return np.maximum(begin, A), np.minimum(end, B + 1), A, B
 
     def places(self, points: Array) -> Array:
@@ -232,7 +231,7 @@ def layers_of(
     # active points alone are work; the outermost rank of a gas has those in reserve
     extents = [Extent(v.kind, (hi - lo + 1,), (least,), least) for v, (_, lo, hi, _) in of_layers]
     shares = share_out(extents, comm.size, opt["fsi_partition"])
-    shapes = [(DOF[v.kind], size) for v, (size, *_) in zip(problem.layers, grids)]
+    shapes = [(len(v.fields) - 1, size) for v, (size, *_) in zip(problem.layers, grids)]
     at = np.cumsum([2 * len(grids), *map(prod, shapes)]).tolist()
     planes, runs = zeros((3, at[-1])), np.zeros((sum(dof for dof, _ in shapes), 2), np.int64)
     found, begin = [], 0

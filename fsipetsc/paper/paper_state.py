@@ -37,14 +37,10 @@ from fsipetsc.scheme.observables import SERIES, record
 from fsipetsc.scheme.plan import OFF_GRID, STAGES, advance, plan_next
 from fsipetsc.state import State
 
-#: procedures of a layer by name; a lambda of the layer alone, because the recorder would take
-#: fill_ghost's other argument, new=False, for a world vector
-_GAS = {"fill": lambda layer: ends.fill_ghost(layer), "complete": rates.complete_gas}
-_SOLID = {"close": ends.close_solid, "stretch": rates.stretch, "complete": rates.complete_solid}
-OF_LAYERS: dict[str, dict[str, Any]] = {
-    "fluid": {"begin": rates.begin_step, "rates": rates.gas_rates, **_GAS},
-    "solid": {"begin": rates.begin_step, "rates": rates.elastic_rates, **_SOLID},
-}
+#: procedures of a layer by name
+_GAS = {"fill": ends.fill_ghost, "rates": rates.gas_rates, "complete": rates.complete_gas}
+_SOLID = {"close": ends.close_solid, "stretch": rates.stretch, "rates": rates.elastic_rates}
+OF_LAYERS = {"fluid": _GAS, "solid": {**_SOLID, "complete": rates.complete_solid}}
 #: what `jumps` of a problem returns
 JUMPS = "g_u", "g_stress", "g_T", "g_flux"
 #: what is noted of a step: from mass on shares of ranks, at interfaces of the owner of the solid
@@ -100,7 +96,7 @@ class PaperState(State):
             does[name] += [code.procedure(f"{name}_{number}", f, of)][: int(here)]
 
         for k, layer in enumerate(self.layers):
-            for name, f in OF_LAYERS[layer.layer.kind].items():
+            for name, f in ("begin", rates.begin_step), *OF_LAYERS[layer.layer.kind].items():
                 add(name, k, f, layer, here=k in self.parts)
         for k, one in enumerate(self.interfaces):
             add("couple", k, couple, one, here=any(one.here))

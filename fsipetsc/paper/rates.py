@@ -30,7 +30,7 @@ import numpy as np
 from fsipetsc.equations import gas
 from fsipetsc.kernels.loops import each, number, pick, variable, when
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
-from fsipetsc.paper.ends import beyond_boundary, distance, end_of, fill_ghost, move_boundary
+from fsipetsc.paper.ends import delta_of, distance, end_of, fill_ghost, move_boundary
 from fsipetsc.paper.stencils import STIFFNESS, add_remainder, derivatives, near_ends
 from fsipetsc.scheme.monitor import rate_of, survey
 from fsipetsc.scheme.plan import BAD, OFF_GRID, RATE, SAID_STOP, STOP
@@ -127,16 +127,15 @@ def gas_rates(layer):
         r = 1.0 / rho[i]
         v = m[i] * r
         u[i], T[i] = v, gas.law.temperature(rho[i], e[i] * r - 0.5 * v * v)
-    _, _, A, B = span
-    ghost, interface = (B, A) if layer.side else (A, B)
+    ghost, interface = (span[3], span[2]) if layer.side else span[2:]
     if end.gradient:  # u and T of the ghost point are others from here on, for the gradients
         own_u, own_T = variable(), variable()
         with when((v0 <= ghost) & (ghost < v1)):
             own_u.value, own_T.value = u[ghost], T[ghost]
-            u[ghost], T[ghost] = end(layer, ghost).gradient()
+            u[ghost], T[ghost] = end(layer).gradient()
     if layer.narrow:
         narrow_gas(layer, w, added, span)
-    for i, near, gradients in derivatives(layer, (u, T), (f0, f1, A, B), per_h):
+    for i, near, gradients in derivatives(layer, (u, T), (f0, f1, *span[2:]), per_h):
         if near:  # the two end points are needed again
             u_X[i], T_X[i] = gradients
         unknowns = rho[i], m[i], e[i]
@@ -212,7 +211,7 @@ def complete_gas(layer):
     move_boundary(layer)
     with when(distance(layer) <= number(layer.least - 2) + 1e-9):
         layer.steps.results[OFF_GRID] = 1.0 + number(layer.number)
-    gas, q, h, (a, b, A, B) = layer.material, layer.local, layer.h, layer.span
+    gas, q, h, (a, b, *_) = layer.material, layer.local, layer.h, layer.span
 
     def see(i):
         """Speeds |u-s| + c, diffusivities max(mu', kappa/cv)/rho; the least of rho and T."""
@@ -225,11 +224,10 @@ def complete_gas(layer):
         return (speed, diffusivity, -np.where(T < rho, T, rho)), {**densities, "": T + speed}
 
     (fastest, diffusivity, least), totals, finite = surveyed(layer, (0.0, 0.0, -np.inf), see)
-    ghost, step = (B, -1) if layer.side else (A, 1)
     for k in range(4):
-        i, weight = ghost + step * k, 0.0
+        i, weight = layer.ghost + (1 - 2 * layer.side) * k, 0.0
         for coefficient in STRIP[k, ::-1]:
-            weight = (weight + float(coefficient)) * beyond_boundary(layer)
+            weight = (weight + float(coefficient)) * delta_of(layer)
         with when((a <= i) & (i < b)):
             add(totals, -weight, see(i)[1])
     mass, momentum, energy = totals
