@@ -11,8 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.operators.bands import AXIS
-from fsipetsc.operators.sbp import OPERATORS
+from fsipetsc.operators.sbp import AXIS, OPERATORS
 
 TINY = 1e-30  # step into the complex plane, for derivatives
 
@@ -127,7 +126,7 @@ def axis_of(order, n, periodic, around):
         for k, c in enumerate(op.interior, start=1):
             D += float(c) / h * (np.roll(one, k, axis=1) - np.roll(one, -k, axis=1))
     else:
-        weight, D = h * op.norm_weights(n), op.matrix(n, h)
+        weight, D = h * op.norm_weights(n), op.matrix(n).astype(float) / h
     S = 2.0 * weight[:, None] * D
     np.fill_diagonal(S, 0.0)
     for (i, l), w in AXIS.get(order, {}).items() if around else ():

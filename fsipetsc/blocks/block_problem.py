@@ -13,7 +13,7 @@ from fsipetsc.blocks.faces import FaceName, Meeting, meet, number_of, united
 from fsipetsc.checks import Array, check, described, place_text
 from fsipetsc.errors import InputError
 from fsipetsc.materials.own import knows_entropy
-from fsipetsc.operators.bands import Band, band, centred_band
+from fsipetsc.operators.sbp import Band, band, centred_band
 
 
 @dataclass(eq=False)

@@ -14,7 +14,7 @@ D_k of summation by parts,
 A pressure p that is the same everywhere gives p S to the momentum along r; so much is added again
 (fsipetsc.scheme.gas_sweep). J_t is what two-point fluxes let through a node that moves (radial Gas
 of fsipetsc.equations.gas). Beside an axis, where A has a kink, D along r has weights of its own
-(AXIS of fsipetsc.operators.bands).
+(AXIS of fsipetsc.operators.sbp).
 """
 
 from types import SimpleNamespace

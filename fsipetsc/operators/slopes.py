@@ -1,5 +1,5 @@
 """Derivatives along an axis in kernels (fsipetsc.kernels.kernel): one formula for gases, solids and
-grids. Of the nodes i of an axis, with the weights S_il of fsipetsc.operators.bands,
+grids. Of the nodes i of an axis, with the weights S_il of fsipetsc.operators.sbp,
 
     D f   = sum_m [ahead_m (f_(i+m) - f_i) - behind_m (f_(i-m) - f_i)]
     D° f  = sum_m [ahead_m (f_(i+m) + f_i) - behind_m (f_(i-m) + f_i)]    without flux through ends
@@ -22,8 +22,7 @@ import numpy as np
 from fsipetsc.equations.vectors import add, along, choose, scale, sub
 from fsipetsc.kernels.kernel import SHARED, Kernel
 from fsipetsc.kernels.loops import each, otherwise, pick, when
-from fsipetsc.operators.bands import Array, Band
-from fsipetsc.operators.sbp import OPERATORS
+from fsipetsc.operators.sbp import OPERATORS, Array, Band
 
 #: pairs: half the order of the operator in a kernel of nodes inside, else 0; reach: largest m
 Near = tuple[int, int]

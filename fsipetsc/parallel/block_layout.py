@@ -25,8 +25,7 @@ from petsc4py import PETSc
 
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
-from fsipetsc.operators.bands import AXIS, NO_AXIS, Patch
-from fsipetsc.operators.sbp import OPERATORS
+from fsipetsc.operators.sbp import AXIS, NO_AXIS, OPERATORS, Patch
 from fsipetsc.parallel.block_shares import Extent, share_out
 from fsipetsc.parallel.exchange import Exchange, Reach, Route
 

@@ -55,8 +55,7 @@ import numpy as np
 from fsipetsc.equations.vectors import add, along, choose, dot, mean, scale, sub
 from fsipetsc.kernels.arrays import column, row
 from fsipetsc.kernels.loops import each, variable, when
-from fsipetsc.operators.bands import Band
-from fsipetsc.operators.sbp import undivided
+from fsipetsc.operators.sbp import Band, undivided
 from fsipetsc.scheme.gas_terms import collect_force
 from fsipetsc.scheme.part import area, gas_at, moving, rows_of
 

@@ -5,7 +5,7 @@
 and a constant force, which is summed pair by pair like the fluxes. On a grid that moves J has the
 flux - g, that of U = 1; fsipetsc.scheme.gas_terms adds a^k . v of nodes at the end of an axis.
 The weight of a node is the product of those along all axes; S_il of a pair along axis k is that of
-fsipetsc.operators.bands times the weights along the other axes. The fluxes are those of
+fsipetsc.operators.sbp times the weights along the other axes. The fluxes are those of
 fsipetsc.equations.gas.
 
 Around an axis (kappa = 1) or a centre (2) fluxes through the areas a^k = (b^k_1, A b^k_2), A =
@@ -36,7 +36,7 @@ from fsipetsc.equations.vectors import add, along, mean, scale, sub
 from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel
 from fsipetsc.kernels.loops import each, when
-from fsipetsc.operators.bands import Patch
+from fsipetsc.operators.sbp import Patch
 from fsipetsc.operators.slopes import Near, slope
 from fsipetsc.scheme.gas_terms import Form
 from fsipetsc.scheme.sweep import Sweep, ends_of, in_order, order

@@ -3,7 +3,7 @@ record: arrays and numbers with names (fsipetsc.blockrun.block_part). Of M owned
 the ghosted array, in d dimensions it has
 
     like: d zeros. dof: unknowns of a node. laws: fsipetsc.equations.gas or solid. k: number of the
-    block. patch: fsipetsc.operators.bands. S, weight: bands of the three axes, with zeros behind.
+    block. patch: fsipetsc.operators.sbp. S, weight: bands of the three axes, with zeros behind.
     axes: (3, 3) of each axis its longest pair, nodes, and how far these are apart in the ghosted
     array. begin: of its unknowns in the world vector. halo: (dof, N), its nodes with a halo, or
     (dof, 0) without. signs: of images, see fsipetsc.parallel.block_layout. X: (d, N) of the

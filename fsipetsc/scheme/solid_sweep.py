@@ -7,7 +7,7 @@ energy are
     J0 m0 e_t = v . sum_k D°_k t^k + sum_k t^k . D_k v.
 
 The power is, pair by pair, S_il (t_i . v_l + t_l . v_i)/2 with the weights S_il of
-fsipetsc.operators.bands: nothing is lost or won.
+fsipetsc.operators.sbp: nothing is lost or won.
 
 F, T and t^k of a node are found from displacements, and rates from them; between them there is
 conduction. The kernels are at the end.
@@ -21,8 +21,7 @@ from typing import Any
 from fsipetsc.equations.tensors import add_unit, apply, column_sums, product, transpose
 from fsipetsc.equations.vectors import add, along, dot, scale, total
 from fsipetsc.kernels.kernel import OWNED, PLANES, ROWS, Kernel
-from fsipetsc.operators.bands import Patch
-from fsipetsc.operators.sbp import OPERATORS
+from fsipetsc.operators.sbp import OPERATORS, Patch
 from fsipetsc.operators.slopes import Near, slope
 from fsipetsc.scheme.sweep import Sweep, ends_of, in_order, order
 

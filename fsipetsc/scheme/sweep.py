@@ -32,7 +32,7 @@ from fsipetsc.equations.vectors import add, along, sub
 from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.kernel import OWNED, ROWS, Kernel, floats_of
 from fsipetsc.kernels.loops import each, either, pick, when, whole
-from fsipetsc.operators.bands import Patch
+from fsipetsc.operators.sbp import Patch
 from fsipetsc.operators.slopes import axis_of, kinds, parts
 
 #: what is stored: k, the next stage, the solution

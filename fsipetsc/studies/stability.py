@@ -129,7 +129,7 @@ def measure(
     root = np.diag(np.outer(sizes * np.sqrt(weights), np.sqrt(h * op.norm_weights(N))).ravel())
     D, seen = np.eye(N), np.eye(6 * n)
     if conservative:
-        D = op.matrix(N, h)
+        D = op.matrix(N).astype(float) / h
         root[strain, strain] = root[strain, strain] @ D
         stretched, V = np.linalg.svd(D[:, N - n :])[1:]
         seen[4 * n : 5 * n, 4 * n : 5 * n] = V.T * (stretched * h > UNSEEN)
