@@ -42,7 +42,7 @@ from fsipetsc.kernels.loops import each
 from fsipetsc.materials.stiffened_gas import PerfectGas, stiffened_gas
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.faces import add_areas, turn_plane
-from fsipetsc.scheme.monitor import along_axes, moment, note_potential, observe
+from fsipetsc.scheme.monitor import along_axes, moment, observe
 from fsipetsc.scheme.part import area, book, moving, owned_planes
 
 #: laws whose entropy the two-point flux of fsipetsc.equations.gas conserves
@@ -214,9 +214,6 @@ def monitor(part, found, y):
         part.grid.bound()
         metrics = part.grid.bounds
     observe(part, found, lambda own, n: seen_at(part, q, metrics, own, n))
-    if part.forced:
-        masses, places = part.masses, part.places
-        note_potential(part, found, lambda i: masses[i] * q[i, 1], lambda c, i, n: places[c, n])
 
 
 def seen_at(part, q, metrics, own, n):
@@ -240,11 +237,12 @@ def seen_at(part, q, metrics, own, n):
     apart = abs(here[0] - J) / abs(J)
     known = (convection < np.inf) & (diffusion < np.inf) & (apart < np.inf)  # so are the places
     bad = np.where(known & positive, 0.0, 1.0)
-    _, rho, *momentum, energy = here
+    (_, rho, *momentum, energy), place = here, column(part.like, part.places, n)
     return (bad, convection, diffusion, -here[0] / of_map, apart), {
         "mass": rho,
         **along_axes("momentum", momentum),
         "energy": energy,
         "entropy": here[0] * gas.entropy_density(w),
-        **moment(column(part.like, part.places, n), momentum),
+        **moment(place, momentum),
+        "potential_energy": -rho * dot(gas.force, place),
     }

@@ -71,18 +71,6 @@ def observe(part, found, see):
         found.latest[getattr(columns, name)] += total.value
 
 
-def note_potential(part, found, mass, place):
-    """Note the potential energy - sum M b . x of the owned nodes in a constant force. mass(i), of a
-    node's number among the owned ones; place(c, i, n), with its number in the ghosted array.
-    """
-    total = variable(0.0)
-    for i in each(part.masses.size):
-        n = part.patch.ghosted_rows(i)
-        for c, b in enumerate(part.laws.force):
-            total.value -= mass(i) * b * place(c, i, n)
-    found.latest[part.columns.potential_energy] += total.value
-
-
 def along_axes(name, vector):
     """Return the components of a vector by their names name_x, name_y, …."""
     return {f"{name}_{x}": number for x, number in zip(PLACES, vector, strict=False)}

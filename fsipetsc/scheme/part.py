@@ -15,8 +15,8 @@ the ghosted array, in d dimensions it has
     three, last one, of the owned nodes to whose rates nothing is added after the sweep. terms:
     functions that add to rates, by owned and by ghosted unknowns, or records with such a function
     `add`; some do not read all they take. forcing: by components of M nodes, or None: of mass,
-    velocities and energy per mass of a gas; of velocity, temperature and place of a solid. forced:
-    whether a constant force acts, loses: whether work is booked. per_h: (d,) cells of the block.
+    velocities and energy per mass of a gas; of velocity, temperature and place of a solid. loses:
+    whether work is booked. per_h: (d,) cells of the block.
     room: of fsipetsc.scheme.monitor.survey. columns: name -> where a series begins in the record of
     a step.
 

@@ -12,7 +12,7 @@ from fsipetsc.kernels.arrays import column, row
 from fsipetsc.kernels.loops import each
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.faces import strain_at
-from fsipetsc.scheme.monitor import along_axes, moment, note_potential, observe
+from fsipetsc.scheme.monitor import along_axes, moment, observe
 from fsipetsc.scheme.part import area, book, ghosted_planes, owned_planes, rows_of
 
 
@@ -56,14 +56,11 @@ def supply(part, q, ghosted, rates, gain):
 
 def monitor(part, found, y):
     """Note extremes and sums, and what is recorded of interfaces in one dimension; fill F."""
-    d, X = len(part.like), part.X
     own, halo = owned_planes(part, y), ghosted_planes(part, y)
     part.volume.sweep_strains(part, own, halo, part.F)
     q = own.T
     observe(part, found, lambda own, node: seen_at(part, q, own, node))
-    if part.forced:
-        note_potential(part, found, lambda i: part.masses[i], lambda c, i, n: X[c, n] + q[i, c])
-    if d == 1:
+    if len(part.like) == 1:
         note_ends(part, q, found)
 
 
@@ -117,11 +114,13 @@ def seen_at(part, q, own, node):
     fastest = np.where(fastest < np.inf, fastest, np.inf)
     diffusion = STIFFNESS_OF_WIDE * solid.kappa / (solid.m0 * solid.alpha) * squares
     bad, least = np.where(fastest < np.inf, 0.0, 1.0), -np.where(J < np.inf, J, np.inf)
+    place = add(column(zeros, part.X, node), displacement)
     energy = 0.5 * dot(v, v) + stored_energy(part, F, node) if part.loses else 0.0
     return (bad, fastest, diffusion, least, 0.0), {
         **along_axes("momentum", v),
         "energy": e,
-        **moment(add(column(zeros, part.X, node), displacement), v),
+        **moment(place, v),
+        "potential_energy": -dot(solid.force, place),
         "solid_energy": energy,
         "lost_energy": -energy,
     }
