@@ -22,21 +22,22 @@ import numpy as np
 
 from fsipetsc.equations.vectors import add, along, choose, dot, per, scale, sub
 from fsipetsc.kernels.arrays import row
-from fsipetsc.kernels.loops import each, number, otherwise, pick, stop, variable, when
-from fsipetsc.particles.members import SLIPS, SOLID
+from fsipetsc.kernels.loops import each, otherwise, pick, stop, variable, when
+from fsipetsc.particles.members import NUMBERS, SLIPS, SOLID
 
 #: a pivot below this part of its size before elimination belongs to a constraint that others imply
 REDUNDANT = 1e-9
 
 
 class Facts:
-    """What record.facts has of particle p: ``one.count`` is record.facts.count[p]."""
+    """What record.facts has of particle p: numbers such as ``one.count``, else flags."""
 
     def __init__(self, record, p):
         self._facts, self._p = record.facts, p
 
     def __getattr__(self, name):
-        return getattr(self._facts, name)[self._p]
+        found = getattr(self._facts, name)[self._p]
+        return found if name in NUMBERS else found == 1
 
 
 def value_of(variables):
@@ -55,10 +56,10 @@ def solve(record, p, one, M, M_s, a, b):
     wanted_c, which record.pi has, and which becomes pi.
     """
     like, normals, pi, A, K = record.like, record.normals, record.pi, record.matrix, one.count
-    sticks = one.sticks == 1
+    sticks = one.sticks
     body = np.where(sticks, M + M_s, M)
-    per_gas = np.where((body > 0.0) & (one.free_gas == 1), 1.0 / body, 0.0)
-    per_solid = np.where((M_s > 0.0) & (one.free_solid == 1) & ~sticks, 1.0 / M_s, 0.0)
+    per_gas = np.where((body > 0.0) & one.free_gas, 1.0 / body, 0.0)
+    per_solid = np.where((M_s > 0.0) & one.free_solid & ~sticks, 1.0 / M_s, 0.0)
 
     def pull(k):
         """G and S of a constraint; of what sticks their sum and S, which does not matter then."""
@@ -119,11 +120,11 @@ def slide(record, gain, p, one):
         pi[k] = np.where(record.constraint[p, k] == SLIPS, dot(add(G, S), w), 0.0)
     new_u, new_v = list(map(variable, velocity(like, U, p, M))), list(map(variable, v))
     solve(record, p, one, M, M_s, new_u, new_v)
-    new_u, new_v = value_of(new_u), value_of(new_v)
+    new_u, new_v, nothing = value_of(new_u), value_of(new_v), (0.0,) * len(like)
     change = 0.5 * M_s * dot(sub(new_v, v), add(new_v, v))  # of the solid's kinetic energy
-    for k in each(pick(one.mine == 1, one.count, 0)):  # what forces do to bodies they move
+    for k in each(pick(one.mine, one.count, 0)):  # what forces do to bodies they move
         G, S = vectors(like, record.normals, p, k)
-        moved = add(scale(number(one.free_gas), G), scale(number(one.free_solid), S))
+        moved = add(choose(one.free_gas, G, nothing), choose(one.free_solid, S, nothing))
         accumulate(gain.impulse, scale(pi[k], moved))
     with when(M_s > 0.0):  # without a solid v stays 0: it is read, and a failed step has NaN
         record.v[p] = new_v
@@ -131,9 +132,9 @@ def slide(record, gain, p, one):
         U[p, 1:] = scale(rho, new_u)
     with when((M_s > 0.0) & (M > 0.0)):
         record.e[p] += change / M_s
-        given = one.given_gas == 1  # the gas keeps what it has; the energy comes in
+        given = one.given_gas  # the gas keeps what it has; the energy comes in
         U[p, len(like) + 1] -= np.where(given, 0.0, change / record.V[p])
-        gain.energy[one.moves_gas] += np.where(given & (one.mine == 1), change, 0.0)
+        gain.energy[one.moves_gas] += np.where(given & one.mine, change, 0.0)
 
 
 def accumulate(total, values):
@@ -159,12 +160,12 @@ def accelerate(record, gain, p, one, of_gas, of_solid):
     w_t = row(like, data.wall_rate, p)
     a_g = choose(M > 0.0, per(along(R_m, -R, u), M), nothing)
     a_s = choose(M_s > 0.0, per(F, M_s), nothing)
-    clamped, given = one.clamp == 1, one.given_gas == 1
+    clamped, given = one.clamp, one.given_gas
     b = choose(clamped, row(like, data.clamp_rate, p), a_s)
-    a = choose(given, nothing, choose(one.wall == 1, w_t, a_g))
+    a = choose(given, nothing, choose(one.wall, w_t, a_g))
     both = choose(given, a, per(add(scale(M, a), scale(M_s, b)), M + M_s))
     both = choose(clamped, b, both)
-    a, b = (list(map(variable, choose(one.sticks == 1, both, x))) for x in (a, b))
+    a, b = (list(map(variable, choose(one.sticks, both, x))) for x in (a, b))
     with when(one.count > 0):
         for k in each(one.count):  # walls accelerate, area vectors turn under relative velocities
             (G, S), (G_t, S_t) = (vectors(like, n, p, k) for n in (record.normals, record.turning))
@@ -186,23 +187,23 @@ def powers(record, gain, p, one, force, force_s, u, v, w):
     moves as the wall or the solid there, not as the gas. To ``gain`` goes what walls and clamps do.
     """
     power, of_solid = variable(dot(force, u)), variable(0.0)
-    with when((one.count > 0) & (one.free_gas == 1) & (one.sticks == 0)):
+    with when((one.count > 0) & one.free_gas & ~one.sticks):
         power.value = 0.0
         for k in each(one.count):
             with when(record.constraint[p, k] == SLIPS):
                 G, S = vectors(record.like, record.normals, p, k)
                 power.value += record.pi[k] * dot(add(G, S), w)
                 of_solid.value -= record.pi[k] * dot(S, v)
-    both = (one.free_gas == 1) & (one.free_solid == 1)
+    both = one.free_gas & one.free_solid
     # forces of two free bodies on each other must cancel: those of the constraints alone count
-    with when((one.mine == 1) & both):
+    with when(one.mine & both):
         for k in each(one.count):
             push = scale(record.pi[k], add(*vectors(record.like, record.normals, p, k)))
             accumulate(gain.impulse, push)
             slips = record.constraint[p, k] == SLIPS
             at = pick(slips, one.moves_gas, one.moves_solid)
             gain.energy[at] += dot(push, choose(slips, w, v))
-    with when((one.mine == 1) & ~both):
+    with when(one.mine & ~both):
         accumulate(gain.impulse, add(force, force_s))
         gain.energy[one.moves_gas] += power.value
         gain.energy[one.moves_solid] += of_solid.value + dot(force_s, v)
@@ -233,15 +234,15 @@ def share_heat(law, which, record, gain):
     """
     for p in each(record.mass.size):
         one, U, M, at_E = Facts(record, p), record.U, record.mass[p], len(record.like) + 1
-        warm, solid = one.warm_gas == 1, one.warm_solid == 1
-        gas, both = (one.given_gas == 1) & ~warm, one.shares_heat == 1
+        warm, solid = one.warm_gas, one.warm_solid
+        gas, both = one.given_gas & ~warm, one.shares_heat
         with when((one.law == which) & (warm | both) & (M > 0.0)):
             u = velocity(record.like, U, p, M)
             of_gas, of_solid = 0.5 * dot(u, u), rest_of(record, p)
             with when(warm | (solid & ~gas)):
                 T = np.where(warm, record.data.T[p], record.data.T_solid[p])
                 E = U[p, 0] * (law.internal_energy(U[p, 0], T) + of_gas)
-                came = np.where(one.mine == 1, record.V[p] * (E - U[p, at_E]), 0.0)
+                came = np.where(one.mine, record.V[p] * (E - U[p, at_E]), 0.0)
                 gain.energy[one.heats_gas] += came
                 gain.heat[one.heats_gas] += np.where(warm, came, 0.0)
                 U[p, at_E] = E
@@ -262,7 +263,7 @@ def share_heat(law, which, record, gain):
 def warm_solids(record, gain):
     """The solids whose temperature is given get it."""
     for p in each(record.mass.size):
-        with when((Facts(record, p).warm_solid == 1) & (record.solid_mass[p] > 0.0)):
+        with when(Facts(record, p).warm_solid & (record.solid_mass[p] > 0.0)):
             warm_the_solid(record, gain, p, rest_of(record, p), record.data.T_solid[p])
 
 
@@ -275,9 +276,9 @@ def rest_of(record, p):
 def warm_the_solid(record, gain, p, of_solid, T):
     """Let the solid have a temperature."""
     one = Facts(record, p)
-    given = (one.given_solid == 1) | (one.warm_solid == 0)  # it comes with all unknowns
+    given = one.given_solid | ~one.warm_solid  # it comes with all unknowns
     e = of_solid + record.capacity[p] * T
-    came = np.where(one.mine == 1, record.solid_mass[p] * (e - record.e[p]), 0.0)
+    came = np.where(one.mine, record.solid_mass[p] * (e - record.e[p]), 0.0)
     gain.energy[one.heats_solid] += came
     gain.heat[one.heats_solid] += np.where(given, 0.0, came)
     record.e[p] = e

@@ -29,6 +29,8 @@ from fsipetsc.errors import InputError
 SLIPS, ROLLS = 0, 1
 #: kinds of members
 GAS, SOLID = 0, 1
+#: facts of a particle that are no flags: see Particle.facts
+NUMBERS = "moves_gas", "moves_solid", "heats_gas", "heats_solid", "count", "column", "law"
 #: a wall that goes into the gas of another one more steeply than by 30 degrees is a wall of its own
 CONCAVE = -0.5
 #: rollers whose unit normals have at least this scalar product are one

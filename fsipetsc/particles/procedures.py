@@ -67,8 +67,8 @@ def end_sums(record, gain):
             record.mean_energy[p], record.e[p] = of_solid[3] / M_s, E_s / M_s
             record.v[p] = per(P_s, M_s)
             record.D[p] = D
-        held = (one.wall == 1) | (one.clamp == 1)
-        with when((one.mine == 1) & (held | (one.given_gas == 1) | (one.given_solid == 1))):
+        held = one.wall | one.clamp
+        with when(one.mine & (held | one.given_gas | one.given_solid)):
             with when(V > 0.0):
                 gain.mass[one.column] += M - of_gas[1]
             constraints.accumulate(gain.impulse, add(sub(P, of_gas[2]), sub(P_s, of_solid[2])))
@@ -78,13 +78,13 @@ def end_sums(record, gain):
 def obeyed(record, p, one, of_gas, of_solid):
     """The sums of particle p, as walls, clamps and data have them; D is the mean displacement."""
     (V, M, P, E), (M_s, D, P_s, E_s) = of_gas, of_solid
-    like, data, moved = record.like, record.data, (one.clamp == 1) | (one.given_solid == 1)
-    D = choose(one.placed == 1, row(like, data.clamp, p), choose(M_s > 0.0, per(D, M_s), D))
+    like, data, moved = record.like, record.data, one.clamp | one.given_solid
+    D = choose(one.placed, row(like, data.clamp, p), choose(M_s > 0.0, per(D, M_s), D))
     P_s = choose(moved, scale(M_s, row(like, data.clamp_velocity, p)), P_s)
-    P = choose(one.wall == 1, scale(M, row(like, data.wall, p)), P)
+    P = choose(one.wall, scale(M, row(like, data.wall, p)), P)
     # a gas that is given, and what sticks
-    given, (rho, *rho_u, of_data) = one.given_gas == 1, row((*like, 0.0, 0.0), data.gas, p)
-    sticks, before = one.sticks == 1, kinetic(P_s, M_s)
+    given, (rho, *rho_u, of_data) = one.given_gas, row((*like, 0.0, 0.0), data.gas, p)
+    sticks, before = one.sticks, kinetic(P_s, M_s)
     v = choose(given, per(tuple(rho_u), rho), per(add(P, P_s), M + M_s))
     v = choose(moved, per(P_s, M_s), v)
     P, P_s = choose(sticks, scale(M, v), P), choose(sticks, scale(M_s, v), P_s)
@@ -169,7 +169,7 @@ def give_state(record, y):
             alone = y[at(2 * d)] + change
             for c in range(d):
                 y[at(c)], y[at(d + c)] = D[c], v[c]
-            y[at(2 * d)] = np.where(constraints.Facts(record, p).one_T == 1, shared, alone)
+            y[at(2 * d)] = np.where(constraints.Facts(record, p).one_T, shared, alone)
 
 
 def end_rates(record, gain, y, f):
@@ -194,5 +194,5 @@ def give_rates(record, gain, y, f):
             for c in range(d):
                 f[at(d + c)] += push[c]
             f[at(2 * d)] += power
-            with when(record.inertia[r] > 0.0):
-                gain.lost[0] += record.inertia[r] * power
+            with when(record.booked[r] == 1):
+                gain.lost[0] += record.weight[r] * power

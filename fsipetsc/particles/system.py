@@ -20,7 +20,6 @@ from fsipetsc.particles import procedures
 from fsipetsc.particles.constraints import weigh_heat
 from fsipetsc.particles.members import GAS, ROLLS, SOLID, Particle
 from fsipetsc.particles.prescribed import Instant, Prescribed
-from fsipetsc.scheme.faces import listed
 
 
 class ParticleSystem:
@@ -111,54 +110,62 @@ class ParticleSystem:
         return rows, self._members[rows, 1], self._number[rows]
 
     def _of_members(self) -> dict[str, Array]:
-        """What the record has of members: GAS or SOLID, specific heat; of those of this rank the
-        place of the first unknown in the world vector and how far the others are apart, H; room
-        for M_s where work is booked. Inertia, and weights of others, come in `begin`.
+        """What the record has of members: GAS or SOLID, specific heat, whether work is booked; of
+        those of this rank the place of the first unknown in the world vector, how far the others
+        are apart, and H, which `begin` makes masses of solids.
         """
-        blocks, ks = self._layout.problem.blocks, self._members[:, 0]
-        kinds = np.array([SOLID if block.kind == "solid" else GAS for block in blocks])
-        alphas = np.array([getattr(block.material, "alpha", 0.0) for block in blocks], float)
+        problem, ks = self._layout.problem, self._members[:, 0]
+        kinds = [SOLID if block.kind == "solid" else GAS for block in problem.blocks]
+        alphas = [getattr(block.material, "alpha", 0.0) for block in problem.blocks]
+        booked = [int(problem.loses(k)) for k in range(len(kinds))]
+        of_blocks = {"kind": np.array(kinds), "alpha": np.array(alphas, float)}
+        of_blocks["booked"] = np.array(booked)
         at, apart = np.zeros((2, len(ks)), np.int64)
-        weight, inertia = np.zeros((2, len(ks)))
+        weight = np.zeros(len(ks))
         for k, part in self._layout.parts.items():
             rows, numbers, _ = self.own(k)
             own = part.rows(numbers)
             weight[rows] = part.weights(part.patch.ghosted_rows(own))
             at[rows], apart[rows] = part.begin + own, part.numbers.size
-        found = {"kind": kinds[ks], "alpha": alphas[ks], "weight": weight, "inertia": inertia}
-        return {**found, "at": at, "apart": apart}
+        found = {name: of_each[ks] for name, of_each in of_blocks.items()}
+        return {**found, "weight": weight, "at": at, "apart": apart}
 
     def _of_particles(self, mine: Array, most: int) -> dict[str, Any]:
         """What the record has of particles: their facts and kinds of constraints. mine: this rank
         adds what comes in there.
         """
         problem, every = self._layout.problem, self._particles
-        constraint, of_each = (
-            np.zeros((len(every), most), int),
-            [one.facts(problem) for one in every],
-        )
+        constraint = np.zeros((len(every), most), int)
         for p, one in enumerate(every):
             constraint[p, : len(one.constraints)] = [kind for kind, _ in one.constraints]
+        of_each = [one.facts(problem) for one in every]
         names = Particle([]).facts(problem)
         facts = {name: np.array([of[name] for of in of_each], int) for name in names}
         return {"facts": SimpleNamespace(mine=mine.astype(int), **facts), "constraint": constraint}
 
-    def faces_at(self, k: int) -> Any:
-        """The faces of block k at members here whose area vectors make the normals of constraints.
-
-        A member's row has G and S of each constraint; a face of the gas at a solid is in both.
+    def faces_at(self, k: int) -> SimpleNamespace:
+        """The faces of block k at members here whose area vectors make the normals of constraints:
+        row of the member, whose columns have G and S of each constraint, and the first column of
+        the face's, twice where gas is at a solid; node in the ghosted array, axis of the face and
+        index along it; sign of the area in G or S times the weights of the other axes.
         """
         d, found, (rows, nodes, _) = self._layout.problem.dimension, [], self.own(k)
         row_of = dict(zip(nodes.tolist(), rows.tolist(), strict=True))
         constraints = (c for particle in self._particles for c in enumerate(particle.constraints))
         for c, (kind, faces) in constraints:
             on_gas, on_solid = 2 * c * d, (2 * c + 1) * d
-            for block, node, axis, side, met in faces:
-                if block == k and node in row_of:
-                    sign, at = (1.0 if side else -1.0), (row_of[node], node, axis)
+            for block, number, axis, side, met in faces:
+                if block == k and number in row_of:
+                    sign, at = 1 if side else -1, (row_of[number], number, axis)
                     found.append((*at, sign, on_solid if kind == ROLLS else on_gas))
                     found += [(*at, -sign, on_solid)] * isinstance(met, Meeting)
-        return listed(self._layout.parts[k], found)
+        row, number, axis, sign, column = np.array(found, np.int64).reshape(-1, 5).T.copy()
+        part, own = self._layout.parts[k], (axis, np.arange(axis.size))
+        node = part.patch.ghosted_rows(part.rows(number))
+        place = np.array(np.unravel_index(node, part.patch.ghosted, order="F"))
+        weights = np.stack([band.weight[at] for band, at in zip(part.bands, place, strict=True)])
+        of_faces = {"weight": sign * weights.prod(axis=0) / weights[own], "index": place[own]}
+        return SimpleNamespace(row=row, node=node, axis=axis, column=column, **of_faces)
 
     def begin(self, inertia: Mapping[int, Array]) -> None:
         """Learn M_s of the members of solids, weights of those of others, and mean specific heats,
@@ -168,8 +175,6 @@ class ParticleSystem:
         for k, of_nodes in inertia.items():
             rows, numbers, _ = self.own(k)
             self.record.weight[rows] *= of_nodes[self._layout.parts[k].rows(numbers)]
-            booked = self._layout.problem.loses(k)
-            self.record.inertia[rows] = self.record.weight[rows] * booked
         self.sums.table[:, 0] = self.record.weight
         self.sums()
         self.record.weight[:] = self.sums.table[:, 0]

@@ -16,7 +16,6 @@ places, and turns by 1/2 (a^k(x + x') - a^k(x - x')).
 """
 
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
@@ -34,21 +33,6 @@ def turned(c, a):
     is.
     """
     return (c * a[1], -c * a[0]) if len(a) == 2 else a
-
-
-def listed(part: Any, rows: list[tuple[int, int, int, float, int]]) -> SimpleNamespace:
-    """Faces of a block at members of this rank, from (row, number of the node in the block, axis,
-    sign, column): row of the member in a table, node in the ghosted array, axis of the face and
-    index along it, sign of its outward normal times the weights of the other axes, column of the
-    table where its area vector begins.
-    """
-    row, number, axis, sign, column = np.array(rows).reshape(-1, 5).T
-    row, number, axis, column = (i.astype(np.int64) for i in (row, number, axis, column))
-    node, own = part.patch.ghosted_rows(part.rows(number)), (axis, np.arange(axis.size))
-    place = np.array(np.unravel_index(node, part.patch.ghosted, order="F"))
-    weights = np.stack([band.weight[at] for band, at in zip(part.bands, place, strict=True)])
-    of_faces = {"weight": sign * weights.prod(axis=0) / weights[own], "index": place[own]}
-    return SimpleNamespace(row=row, node=node, axis=axis, column=column, **of_faces)
 
 
 def add_areas(part, table, areas, less=None):

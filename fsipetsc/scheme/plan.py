@@ -43,46 +43,33 @@ def begin_stage(number: int | None) -> Callable[..., None]:
 
     def begin(found):
         """What sweeps store from now on; nothing has come in yet."""
-        kind = RATES if number is None else (STAGE, STAGE, STAGE, LAST)[number]
-        a, b = factors(number or 0, found.plan.batch[DT])
-        found.stage[0], found.stage[1] = float(kind), b if kind == LAST else a
+        kind, dt = LAST if number == 3 else STAGE, found.plan.batch[DT]
+        kind = RATES if number is None else kind
+        found.stage[0] = float(kind)
+        found.stage[1] = dt / 6.0 if kind == LAST else dt if number == 2 else 0.5 * dt
         found.gain.numbers[:] = 0.0
 
     return begin
 
 
-def factors(number, dt):
-    """Return a and b of a stage, as `next_stage` uses them."""
-    a = dt if number == 2 else 0.5 * dt
-    return a, dt / 3.0 if 0 < number < 3 else dt / 6.0
-
-
-def next_stage(number, dt, k, y, total):
-    """Return what follows from the rates k of a stage, 0 to 3: the next stage, and the sum that
-    becomes the solution. y: the solution before the step; total: the sum until now, y at first.
+def advance(number: int) -> Callable[..., None]:
+    """Return the procedure of a stage, 0 to 3. It replaces the rates k, which sweeps have left in
+    f, by the next stage, with the sum that becomes the solution; y: the solution before the step.
 
         stage = y + a k,   sum = total + b k      a = dt/2, dt/2, dt;  b = dt/6, dt/3, dt/3
         stage = sum = total + dt/6 k              after the last one: the solution
-    """
-    a, b = factors(number, dt)
-    found = total + b * k
-    return found if number == 3 else y + a * k, found
-
-
-def advance(number: int) -> Callable[..., None]:
-    """Return the procedure of a stage, 0 to 3. It replaces the rates, which sweeps have left in f,
-    by the next stage.
     """
 
     def stage(found, f):
         """The next stage from rates, and the sum that becomes the solution."""
         y, total, dt = found.y, found.total, found.plan.batch[DT]
+        a, b = dt if number == 2 else 0.5 * dt, dt / 3.0 if number in (1, 2) else dt / 6.0
         for run in each(found.left.shape[0]):
             for i in each(found.left[run, 0], found.left[run, 1], vector=True):
-                before = y[i] if number == 0 else total[i]
-                f[i], new_total = next_stage(number, dt, f[i], y[i], before)
+                k, before = f[i], y[i] if number == 0 else total[i]
+                f[i] = before + b * k if number == 3 else y[i] + a * k
                 if number < 3:
-                    total[i] = new_total
+                    total[i] = before + b * k
 
     return stage
 
