@@ -46,7 +46,7 @@ b = -a. alpha of a difference is the largest of its nodes.
 """
 
 from collections.abc import Sequence
-from functools import partial
+from functools import partial, reduce
 from types import SimpleNamespace
 from typing import Any
 
@@ -57,7 +57,7 @@ from fsipetsc.kernels.arrays import column, row
 from fsipetsc.kernels.loops import each, variable, when
 from fsipetsc.operators.sbp import Band, undivided
 from fsipetsc.scheme.gas_terms import collect_force
-from fsipetsc.scheme.part import area, gas_at, moving, rows_of
+from fsipetsc.scheme.part import area, gas_at, moving, nodes_of
 
 #: s up to which there is no shock, and how fast alpha rises from there
 NO_SHOCK, RISE = 0.03, 2.5
@@ -82,8 +82,8 @@ class Damping(SimpleNamespace):
 
     weights: (q + 1) numbers of a difference. strides: of the axes in memory. norm: (d, N) the least
     norm of the nodes of the difference that begins at a node, 0 where it does not fit. per_weight:
-    (d, N) 1 / weight of a node along the axis. alpha: (N,) of one axis. F: (numbers, N and more)
-    what differences along one axis have, after zeros for those before the first.
+    (d, N) 1 / weight of a node along the axis. alpha: (d, N). F: (numbers, N and more) what
+    differences along one axis have, after zeros for those before the first.
     """
 
     def __init__(self, q: int, bands: Sequence[Band], cells: Sequence[int], numbers: int) -> None:
@@ -98,12 +98,16 @@ class Damping(SimpleNamespace):
             np.stack([grid.ravel("F") for grid in np.meshgrid(*lines, indexing="ij")[:d]])
             for lines in (least, per_weight)
         )
-        self.alpha = np.zeros(np.prod(shape))
-        self.F = np.zeros((numbers, self.alpha.size + q * self.strides[d - 1]))
+        self.alpha = np.zeros_like(self.norm)
+        self.F = np.zeros((numbers, self.nodes + q * self.strides[d - 1]))
 
     @property
     def order(self) -> int:
         return len(self.weights) - 1
+
+    @property
+    def nodes(self) -> int:
+        return self.norm.shape[1]
 
     def difference(self, read, i, k, sign=1.0):
         """Return that of the numbers f = read(n) of nodes, from node i on along axis k."""
@@ -114,30 +118,26 @@ class Damping(SimpleNamespace):
         return found
 
     def sense(self, steepness, k, length):
-        """Fill alpha of all nodes along axis k of so many; steepness: returns the s of a node."""
-        alpha, stride = self.alpha, self.strides[k]
-        for line in each(alpha.size // (stride * length)):
-            first = line * (stride * length)
-            begin, beyond = first + stride, first + stride * length
-            end = np.maximum(begin, beyond - stride)
-            alpha[first:begin] = 0.0
-            for i in each(begin, end, vector=True):
+        """Fill alpha along axis k of so many nodes, but at its ends; steepness: returns the s of a
+        node.
+        """
+        stride = self.strides[k]
+        for line in each(self.nodes // (stride * length)):
+            begin = line * (stride * length) + stride
+            for i in each(begin, begin + (length - 2) * stride, vector=True):
                 steep = RISE * (steepness(i, stride) - NO_SHOCK)
-                alpha[i] = np.minimum(1.0, np.maximum(0.0, steep))
-            alpha[end:beyond] = 0.0
+                self.alpha[k, i] = np.minimum(1.0, np.maximum(0.0, steep))
 
     def largest(self, i, k):
         """Return the largest alpha at the nodes of the difference along axis k that begins at i."""
-        found = self.alpha[i]
-        for m in range(1, self.order + 1):
-            found = np.maximum(found, self.alpha[i + m * self.strides[k]])
-        return found
+        every = range(self.order + 1)
+        return reduce(np.maximum, (self.alpha[k, i + m * self.strides[k]] for m in every))
 
     def fill(self, k, of):
         """Fill F of differences along axis k, by their first nodes, with zeros where one does not
         fit. of(i, l, r): F of the one that begins at a node, from the nodes in its middle.
         """
-        order, stride, N = self.order, self.strides[k], self.alpha.size
+        order, stride, N = self.order, self.strides[k], self.nodes
         before, last = self.F.shape[1] - N, N - order * stride
         for i in each(last, vector=True):
             l, r = i + order // 2 * stride, i + (order + 1) // 2 * stride
@@ -146,7 +146,7 @@ class Damping(SimpleNamespace):
 
     def back(self, count, k, node):
         """Return Delta^T F at a node, of the first numbers."""
-        first = self.F.shape[1] - self.alpha.size + node - self.order * self.strides[k]
+        first = self.F.shape[1] - self.nodes + node - self.order * self.strides[k]
         # weights of Delta^T: those of Delta in reverse order, perhaps with sign -1
         sign = 1.0 - 2.0 * (self.order % 2)
         return self.difference(lambda n: column((0.0,) * count, self.F, n), first, k, sign)
@@ -165,7 +165,7 @@ class GasDamping(Damping):
     ) -> None:
         d = len(cells)
         super().__init__(q, bands, cells, d + 2 + raises)
-        N = self.alpha.size
+        N = self.nodes
         self.sigma, self.shock = sigma or None, shock or None
         self.state, self.z = np.zeros((d + 5, N)), np.zeros((d + 2, N))
         self.link, self.sums = np.zeros((d + 1, N)), np.zeros((d + 2 + raises * (d + 1), N))
@@ -173,7 +173,7 @@ class GasDamping(Damping):
     def add(self, part, own, q, rates, gain):
         """Add both terms to the rates (M, d + 3) of the owned nodes; q: with a halo of q + 1."""
         gas = part.laws
-        for i in each(self.alpha.size, vector=True):
+        for i in each(self.nodes, vector=True):
             w = gas_at(part, q, i)
             self.state[:, i] = w
             if self.sigma is not None:
@@ -186,17 +186,16 @@ class GasDamping(Damping):
                 self.sums[:] = 0.0
                 self.sense(partial(steepness, part, self.state, k), k, part.patch.ghosted[k])
                 shocks = variable(0.0)
-                for i in each(self.alpha.size):
-                    shocks.value = np.where(self.alpha[i] > 0.0, 1.0, shocks.value)
+                for i in each(self.nodes):
+                    shocks.value = np.where(self.alpha[k, i] > 0.0, 1.0, shocks.value)
                 with when(shocks.value > 0.0):
                     self.link[:] = 0.0
                     self.split_pairs(part, k)
                     self.flow_on(part, k)
             if self.sigma is not None:
                 self.fill(k, partial(self.flux, part, k))
-            for node, row_begins, n in rows_of(part):
-                for i in each(n, vector=True):
-                    self.collect(part, k, node + i, row_begins + i, rates)
+            for node, own in nodes_of(part):
+                self.collect(part, k, node, own, rates)
 
     def flux(self, part, k, i, l, r):
         """Return F of the difference along axis k that begins at node i."""
@@ -239,11 +238,11 @@ class GasDamping(Damping):
         gas, S, stride = part.laws, part.S[k], self.strides[k]
         like_v = gas.of_grid(part.like)
         length, grid = part.patch.ghosted[k], len(part.like) ** 2
-        for i in each(self.alpha.size):
-            place, alpha = i // stride % length, variable(self.alpha[i])
+        for i in each(self.nodes):
+            place, alpha = i // stride % length, variable(self.alpha[k, i])
             for m in each(1, np.minimum(part.axes[k, 0] + 1, length - place)):
                 j = i + m * stride
-                alpha.value = np.maximum(alpha.value, self.alpha[j])
+                alpha.value = np.maximum(alpha.value, self.alpha[k, j])
                 with when((alpha.value > 0.0) & (S[m, place] != 0.0)):
                     weight = alpha.value * S[m, place]
                     l, r, rise = self.ends(part, i, j)
@@ -267,7 +266,7 @@ class GasDamping(Damping):
     def flow_on(self, part, k):
         """Add the fluxes through links, with those of Lax and Friedrichs."""
         gas, form, like_link = part.laws, part.form, (*part.like, 0.0)
-        for i in each(self.alpha.size - self.strides[k]):
+        for i in each(self.nodes - self.strides[k]):
             link, j = column(like_link, self.link, i), i + self.strides[k]
             a, g = link[:-1], link[-1]
             with when(dot(link, link) > 0.0):
@@ -308,13 +307,13 @@ def bend(rise, fall, size):
 
 class SolidDamping(Damping):
     """A term of a solid, with a and b of F. impedance: sqrt(K m0) [kg/(m2 s)], small: of s [m/s].
-    work: of columns of nodes.
+    work: (N,).
     """
 
     def __init__(self, q: int, bands: Any, cells: Any, a: float, b: float, solid: Any) -> None:
         super().__init__(q, bands, cells, len(cells) + 1)
         K = solid.law.wave_modulus(solid.tensor(solid.unstrained((0.0,) * len(cells))))
-        self.a, self.b, self.work = a, b, np.zeros(len(bands[0].weight))
+        self.a, self.b, self.work = a, b, np.zeros(self.nodes)
         self.impedance = float(np.sqrt(K * solid.m0))
         self.small = float(SMALL_OF_SOLID * np.sqrt(K / solid.m0))
 
@@ -322,21 +321,19 @@ class SolidDamping(Damping):
         """Add this term to the rates (M, 2d + 1) of the owned nodes, and its work to what is lost;
         q (N, 2d + 1): with a halo of q + 1 nodes at least.
         """
-        d, columns = len(part.like), part.patch.own[0]
-        self.work[:columns] = 0.0
+        d, self.work[:] = len(part.like), 0.0
         for k in range(d):
             with when(self.b != 0.0):
                 self.sense(partial(self.bent, part, q), k, part.patch.ghosted[k])
             self.fill(k, partial(self.drag, part, q, k))
-            for node, row_begins, n in rows_of(part):
-                for i in each(n, vector=True):
-                    force, power, heat = self.slowed(part, q, k, node + i)
-                    for c, value in enumerate((*force, power + heat), d):
-                        rates[row_begins + i, c] += value
-                    if part.loses:
-                        self.work[i] += part.masses[row_begins + i] * power
+            for node, own in nodes_of(part):
+                force, power, heat = self.slowed(part, q, k, node)
+                for c, value in enumerate((*force, power + heat), d):
+                    rates[own, c] += value
+                if part.loses:
+                    self.work[node] += part.masses[own] * power
         if part.loses:
-            for i in each(columns):
+            for i in each(self.nodes):
                 gain.lost[0] += self.work[i]
 
     def bent(self, part, q, i, stride):
@@ -361,7 +358,7 @@ class SolidDamping(Damping):
         """
         d, order, stride = len(part.like), self.order, self.strides[k]
         per_mass = self.per_weight[k, node] / (part.metrics[d * d, node] * part.laws.m0)
-        force, here = scale(-per_mass, self.back(d, k, node)), self.F.shape[1] - self.alpha.size
+        force, here = scale(-per_mass, self.back(d, k, node)), self.F.shape[1] - self.nodes
         loss = [self.F[d, here + node - j * stride] for j in (order // 2, (order + 1) // 2)]
         heat = 0.5 * per_mass * (loss[0] + loss[1])
         return force, dot(row(part.like, q, node, d), force), heat

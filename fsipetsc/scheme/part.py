@@ -83,6 +83,15 @@ def rows_of(part):
             yield f0 + g0 * (f1 + y + g1 * (f2 + z)), n0 * (y + n1 * z), n0
 
 
+def nodes_of(part):
+    """Yield the numbers of the owned nodes, in ghosted arrays and among the owned ones, in loops
+    whose passes do not depend on one another.
+    """
+    for node, own, n in rows_of(part):
+        for i in each(n, vector=True):
+            yield node + i, own + i
+
+
 def images(part):
     """Fill the halo before r = 0 with mirror images of the nodes behind it, times part.signs."""
     values, signs = part.halo, part.signs

@@ -13,7 +13,7 @@ from fsipetsc.kernels.loops import each
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.faces import strain_at
 from fsipetsc.scheme.monitor import along_axes, moment, observe
-from fsipetsc.scheme.part import area, book, ghosted_planes, owned_planes, rows_of
+from fsipetsc.scheme.part import area, book, ghosted_planes, nodes_of, owned_planes
 
 
 def store(part, particles, y):
@@ -78,18 +78,17 @@ def stressed(part, q, out):
     """
     d, solid, M = len(part.like), part.laws, part.masses.shape[0]
     zeros, q = (0.0,) * d, q.reshape(part.dof, part.metrics.shape[1]).T
-    for node, own, n in rows_of(part):
-        for i in each(n, vector=True):
-            at, F = node + i, column(solid.unstrained(zeros), part.F, own + i)
-            v, e = row(zeros, q, at, d), q[at, 2 * d]
-            T, J = temperature(part, v, e, F, at), solid.volume(F)
-            P = solid.stress_at(F, T)
-            if part.prestress is not None:
-                P = add(P, column((0.0,) * d * d, part.prestress, at))
-            stress = per(product(P, transpose(F[: d * d])), J)
-            hoops = (solid.hoop_stress(F, T),) if solid.around else ()
-            for c, number in enumerate((T, solid.pressure_at(J, T), *stress, *hoops)):
-                out[c * M + own + i] = number
+    for at, own in nodes_of(part):
+        F = column(solid.unstrained(zeros), part.F, own)
+        v, e = row(zeros, q, at, d), q[at, 2 * d]
+        T, J = temperature(part, v, e, F, at), solid.volume(F)
+        P = solid.stress_at(F, T)
+        if part.prestress is not None:
+            P = add(P, column((0.0,) * d * d, part.prestress, at))
+        stress = per(product(P, transpose(F[: d * d])), J)
+        hoops = (solid.hoop_stress(F, T),) if solid.around else ()
+        for c, number in enumerate((T, solid.pressure_at(J, T), *stress, *hoops)):
+            out[c * M + own] = number
 
 
 def seen_at(part, q, own, node):
