@@ -236,10 +236,11 @@ class BlockPart(Part):
         """Record procedures."""
         self.free, found = in_order(self.inner, self.d), self.about.found
         self.code, self.does = Code(f"#define ROW {self.volume.width}\n"), dict[str, Procedure]()
-        takes = {"particles": self.about.system.record, "gain": found.gain, "found": found}
-        for f in functions:  # they take what their parameters name
-            beside = [takes[p] for p in inspect.signature(f).parameters if p in takes]
-            self.does[f.__name__] = self.code.procedure(f"part_{f.__name__}", f, self, *beside)
+        takes = {**vars(self), "part": self, "particles": self.about.system.record}
+        takes |= {"self": getattr(self, "grid", None), "gain": found.gain, "found": found}
+        for f in functions:  # they take what their parameters name, methods the grid
+            given = [takes[p] for p in inspect.signature(f).parameters if p in takes]
+            self.does[f.__name__] = self.code.procedure(f"part_{f.__name__}", f, *given)
 
 
 def _left_out(problem: Any, k: int) -> float:

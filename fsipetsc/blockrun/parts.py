@@ -30,8 +30,8 @@ from fsipetsc.scheme.solid_sweep import SolidSweep, solid_kernels
 
 Array = NDArray[Any]
 #: procedures of parts, and of those whose grid moves
-OF_GAS = rates, of_gas.monitor, of_gas.begin_grid, of_gas.find_places, of_gas.find_volumes
-OF_MOVING_GAS = of_gas.follow, of_gas.edge, of_gas.move, of_gas.swing, of_gas.turn
+OF_GAS = rates, of_gas.monitor, of_gas.begin_grid, of_gas.find_volumes
+OF_MOVING_GAS = of_gas.follow, of_gas.move, of_gas.turn
 OF_SOLID = of_solid.store, rates, of_solid.monitor, of_solid.measure, of_solid.stressed
 
 
@@ -68,8 +68,9 @@ class GasPart(BlockPart):
         self.terms = (of_gas.add_ends,) * self.moves + self.terms
         self.room = np.zeros((MONITORED + len(vars(self.columns)), COLUMNS))
         self.masses, self.ends = self.H, self._ends()
-        moving = OF_MOVING_GAS if self.moves else ()
-        self._record((*moving, images, normals, *OF_GAS))
+        grid = type(self.grid)
+        moving = (*OF_MOVING_GAS, grid.edge, grid.swing) if self.moves else ()
+        self._record((*moving, images, normals, *OF_GAS, grid.find_places))
 
     def _check_law(self, convection: str, sigma: float) -> None:
         """InputError if the law of the gas lacks what an option needs."""

@@ -43,7 +43,7 @@ from fsipetsc.materials.stiffened_gas import PerfectGas, stiffened_gas
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.faces import add_areas, turn_plane
 from fsipetsc.scheme.monitor import along_axes, moment, observe
-from fsipetsc.scheme.part import area, book, moving, owned_planes
+from fsipetsc.scheme.part import area, book, moving, nodes_of, owned_planes
 
 #: laws whose entropy the two-point flux of fsipetsc.equations.gas conserves
 CONSERVED = PerfectGas, stiffened_gas
@@ -134,21 +134,11 @@ def follow(part, particles):
             known[row, d + c] = np.where(alone, data.wall[n, c], particles.v[n, c])
 
 
-def edge(part):
-    """Find a^k of the grid of now on faces, as far as constraints need it."""
-    part.grid.edge(part.known)
-
-
 def move(part):
     """Find where the grid is now, and a^k, as far as `edge` has not."""
     part.grid.move()
     if part.form.raises:
         find_potential(part)
-
-
-def swing(part):
-    """Find the velocity of the grid."""
-    part.grid.swing(part.known)
 
 
 def turn(part, particles):
@@ -184,22 +174,17 @@ def supply(part, q, ghosted, rates, gain):
     book(part, gain, supplied, mass=True)
 
 
-def find_places(part):
-    """Find where the nodes are."""
-    part.grid.find_places(part.X, part.places)
-
-
 def find_volumes(part):
     """Find J of the grid at the owned nodes."""
     part.grid.find_volumes()
-    for i in each(part.J.shape[0]):
-        part.J[i] = part.grid.volume[part.patch.ghosted_rows(i)]
+    for node, own in nodes_of(part):
+        part.J[own] = part.grid.volume[node]
 
 
 def begin_grid(part):
     """Find a^k and J of a grid where it is now."""
     if len(part.like) < 3:
-        edge(part)
+        part.grid.edge(part.known)
     part.grid.move()
     find_volumes(part)
 
@@ -207,7 +192,7 @@ def begin_grid(part):
 def monitor(part, found, y):
     """Note extremes and sums of the owned nodes."""
     if part.moves:
-        find_places(part)
+        part.grid.find_places(part.X, part.places)
         part.grid.find_volumes()
     q, metrics = owned_planes(part, y).T, part.metrics
     if part.around:
