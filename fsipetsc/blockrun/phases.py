@@ -56,7 +56,6 @@ def phases(
     follow = [*each("follow"), *(part.gather for part in parts if part.block.kind == "fluid")]
     reduce = [does["reduce"]] * (layout.comm.size > 1)
     normals = [*each("normals"), areas, does["end_normals"]] if slips else []
-    turned = [*each("turn"), areas, does["end_turning"]] if slips else []
     move, swing, stored = each("move"), each("swing"), list[Any]()
     if particles.record.stores:
         stored = [*move, does["begin_stored"], *fill, *each("store")]
@@ -75,7 +74,8 @@ def phases(
         "halos": [halos, *inside, *images],
         "inside": [one for one in inside if one not in read],
     }  # fmt: skip
-    rates = [*fill, *grid, *turned, *each("rates")]
+    rates = [*fill, *grid, *each("turn"), *each("rates")]
+    rates += [areas, does["end_turning"]] if slips else []
     rates += [(does["weigh"],), sums, does["end_rates"]]
     found["rates"] = [does["begin_rates"], *rates]
     for n in range(stages.STAGES):
