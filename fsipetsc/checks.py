@@ -72,10 +72,15 @@ def number(value: Any, what: str, bound: str = ANY, unit: str = "") -> float:
         found = np.nan
     if not isfinite(found):
         raise InputError(f"{what} is {described(value)}: {expected}")
-    least = float(bound.split()[-1]) if bound else -np.inf
-    if found < least or (found == least and bound.startswith("above")):
+    if not within(found, bound):
         raise InputError(f"{what} is {found:g}: {expected}")
     return found
+
+
+def within(value: float, bound: str) -> bool:
+    """Whether a number is what its bound says: "above …", "not below …", "" for any."""
+    least = float(bound.split()[-1]) if bound else -np.inf
+    return value > least or (value == least and not bound.startswith("above"))
 
 
 def numbers(record: Any, owner: str, ranges: Ranges) -> None:

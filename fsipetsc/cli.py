@@ -19,16 +19,16 @@ WIDTH = 100
 
 
 class Command(NamedTuple):
-    """A command: what comes after its name, one line about it, the module with its function.
+    """A command: the module with its function, what comes after its name, one line about it.
 
     By one process: a function of the files and, where there are any, the options as given, which
     returns what is printed. Else by all ranks: a function of the arguments and the communicator;
     OPTIONS of the module are its own, beside those of a case.
     """
 
+    module: str
     arguments: str
     summary: str
-    module: str
     by_one: bool = False
 
     def find(self, name: str) -> Any:
@@ -36,43 +36,35 @@ class Command(NamedTuple):
         return getattr(importlib.import_module(f"fsipetsc.{self.module}"), name, None)
 
 
+_OPTIONS = "[-option value ...]"
+_CASE = f"CASE {_OPTIONS}"
 COMMANDS = {
-    "info": Command("RUN.h5", "print what a result holds: case, options, times, layers, summary",
-        "output.info", True),
-    "plot": Command("RUN.h5 [-o DIR|FILE] [-fields p,T] [-times 0,0.5] [-contours 20] "
-        "[-streamlines] [-all] [-animate]",
-        "draw a result on a page (PNG, PDF, SVG or JPG as FILE ends), all pictures, a film",
-        "output.page", True),
-    "report": Command("RUN.h5 [-o DIR]",
-        "make one HTML page of a result: all pictures, options, summary",
-        "output.page", True),
-    "diff": Command("A.h5 B.h5",
-        "print by how much two results differ, also in units in the last place",
-        "output.differences", True),
-    "new": Command("FILE.py [-blocks] [-channel] [-plate] [-water]",
+    "info": Command("output.info", "RUN.h5",
+        "print what a result holds: case, options, times, layers, summary", True),
+    "plot": Command("output.page", "RUN.h5 [-o DIR|FILE] [-fields p,T] [-times 0,0.5] "
+        "[-contours 20] [-streamlines] [-all] [-animate]",
+        "draw a result on a page (PNG, PDF, SVG or JPG as FILE ends), all pictures, a film", True),
+    "report": Command("output.page", "RUN.h5 [-o DIR]",
+        "make one HTML page of a result: all pictures, options, summary", True),
+    "diff": Command("output.differences", "A.h5 B.h5",
+        "print by how much two results differ, also in units in the last place", True),
+    "new": Command("stepping.before_a_run", "FILE.py [-blocks] [-channel] [-plate] [-water]",
         "write a case file to start from: layers; curved blocks; a channel; a plate; a water pipe",
-        "stepping.before_a_run", True),
-    "compile": Command("CASE [-option value ...]",
-        "compile the kernels that a case needs, and do nothing else",
-        "stepping.before_a_run"),
-    "geometry": Command("CASE [-option value ...]",
-        "print and draw blocks, faces, conditions and spacing of a case, and do nothing else",
-        "stepping.before_a_run"),
-    "convergence": Command("CASE [-option value ...]",
-        "print errors of a case, or differences between its grids, observed orders and cost",
-        "studies.convergence"),
-    "stability": Command("[-option value ...]",
-        "check the linear theory of interfaces: spectra, energy growth, time-step limits",
-        "studies.stability"),
-    "modes": Command("CASE [-option value ...]",
-        "print frequencies of small motions about a steady state, of the scheme and exact",
-        "studies.modes"),
-    "verify": Command("[NAME ...] [-verify_level full]",
-        "compare cases with references: errors, observed orders, verdicts",
-        "studies.verify.command"),
-    "bench": Command("[-option value ...]",
-        "measure what a time step costs on 1 to N ranks",
-        "studies.bench"),
+        True),
+    "compile": Command("stepping.before_a_run", _CASE,
+        "compile the kernels that a case needs, and do nothing else"),
+    "geometry": Command("stepping.before_a_run", _CASE,
+        "print and draw blocks, faces, conditions and spacing of a case, and do nothing else"),
+    "convergence": Command("studies.convergence", _CASE,
+        "print errors of a case, or differences between its grids, observed orders and cost"),
+    "stability": Command("studies.stability", _OPTIONS,
+        "check the linear theory of interfaces: spectra, energy growth, time-step limits"),
+    "modes": Command("studies.modes", _CASE,
+        "print frequencies of small motions about a steady state, of the scheme and exact"),
+    "verify": Command("studies.verify.command", "[NAME ...] [-verify_level full]",
+        "compare cases with references: errors, observed orders, verdicts"),
+    "bench": Command("studies.bench", _OPTIONS,
+        "measure what a time step costs on 1 to N ranks"),
 }  # fmt: skip
 HELP_FLAGS, _VERSION_FLAGS = {"-h", "-help", "--help"}, {"--version", "-version"}
 
@@ -107,9 +99,8 @@ def _main(arguments: list[str]) -> int:
             notes = world.Dup()
             if first in COMMANDS:
                 command, rest = COMMANDS[first], arguments[1:]
-                usage = command.arguments
-                if usage.startswith("CASE") and (not rest or is_option(rest[0])):
-                    raise InputError(f"{first}: CASE is missing: {PROGRAM} {first} {usage}")
+                if command.arguments == _CASE and (not rest or is_option(rest[0])):
+                    raise InputError(f"{first}: CASE is missing: {PROGRAM} {first} {_CASE}")
                 command.find(first)(rest, world)
             else:
                 case = together(world, lambda: load_case(first, tuple(COMMANDS)))
@@ -130,21 +121,21 @@ def _main(arguments: list[str]) -> int:
 
 def _answer(first: str, rest: list[str]) -> None:
     """Print a text about the program, or do a command that one process does."""
+    command = COMMANDS.get(first)
     if not _VERSION_FLAGS.isdisjoint([first, *rest]):
         print(f"fsipetsc {__version__}")
     elif first in HELP_FLAGS:
         print(_overview())
-    elif first not in COMMANDS:
+    elif command is None:
         case = load_case(first, tuple(COMMANDS))
-        title = f"{case.NAME}: {case.SUMMARY}"
-        print(_options_help(title, f"{first} [-option value ...]", groups(case)))
+        print(_options_help(f"{case.NAME}: {case.SUMMARY}", f"{first} {_OPTIONS}", groups(case)))
     elif HELP_FLAGS.isdisjoint(rest):
-        print(COMMANDS[first].find(first)(*_given(first, rest)))
-    elif (command := COMMANDS[first]).by_one:
+        print(command.find(first)(*_given(first, rest)))
+    elif command.by_one:
         print(f"{PROGRAM} {first} {command.arguments}\n\n  {command.summary}")
     else:
         own = command.find("OPTIONS") or ()
-        named = command.arguments.startswith("CASE") and not is_option(rest[0])
+        named = command.arguments == _CASE and not is_option(rest[0])
         sections = groups(load_case(rest[0]), own) if named else {"This command": own}
         about = f"{first}: {command.summary}", f"{first} {command.arguments}"
         print(_options_help(*about, sections))
@@ -180,7 +171,7 @@ def _overview() -> str:
     cases = {name: load_case(name).SUMMARY for name in BUILT_IN}
     sections = {
         f"Usage: {PROGRAM} ...": {
-            "CASE [-option value ...]": "run a case; in parallel with mpiexec -n N before it",
+            _CASE: "run a case; in parallel with mpiexec -n N before it",
             "CASE -help": "all options of a case, with defaults and units",
             "COMMAND ...": "run a command, see below",
         },

@@ -14,6 +14,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
+from fsipetsc.checks import NONNEGATIVE, POSITIVE, within
 from fsipetsc.errors import FileError, InputError, call, petsc_words
 
 #: how the program is called, in examples that can be copied
@@ -32,8 +33,8 @@ _KINDS = {
     "ints": "whole numbers with commas and no spaces between them",
     "floats": "numbers with commas and no spaces between them",
 }
-#: check -> what is expected of a number
-_BOUNDS = {"positive": " above 0", "nonnegative": " not below 0"}
+#: check -> what is expected of a number, as in fsipetsc.checks; else it says so itself
+_BOUNDS = {"positive": POSITIVE, "nonnegative": NONNEGATIVE}
 
 
 @dataclass(frozen=True)
@@ -46,9 +47,10 @@ class Option:
         default: a value, None (not set) or `REQUIRED`.
         unit: as in "kg/m3"; "" or "-" if there is none.
         help: one line that `-help` prints.
-        choices: the only values that are allowed.
-        check: "positive", "nonnegative", or a function of the value that returns None or True if it
-            is fine, else what is expected, as in "a number below 1", or False.
+        choices: the only values that are allowed, in a list the only items.
+        check: "positive", "nonnegative", "above 1" or the like, or a function of the value that
+            returns None or True if it is fine, else what is expected, as in "a number below 1", or
+            False.
     """
 
     name: str
@@ -76,22 +78,23 @@ class Option:
             found = _typed(str(self.kind), value)
         except (ValueError, TypeError, OverflowError, KeyError):
             raise InputError(f"{said}: expected {self._expected()}") from None
-        good: Any = self.choices is None or found in self.choices
+        items = found if isinstance(found, tuple) else (found,)
+        good: Any = self.choices is None or {*items} <= {*self.choices}
         if callable(self.check):
             good = call(self.check, (found,), f"check of -{self.name}")
         elif self.check:
-            least = min(found, default=1) if isinstance(found, tuple) else found
-            good = least > 0 or (self.check == "nonnegative" and least == 0)
+            good = all(within(item, _BOUNDS.get(self.check, self.check)) for item in items)
         if good not in (None, True):
             raise InputError(f"{said}: expected {good or self._expected()}")
         return found
 
     def _expected(self) -> str:
         if self.choices is not None:
-            return "one of " + ", ".join(map(str, self.choices))
-        unit = f" [{self.unit}]" if self.unit else ""
-        bound = " within its range" if callable(self.check) else _BOUNDS.get(str(self.check), "")
-        return _KINDS[str(self.kind)] + bound + unit
+            some = "some" if self.kind in ("ints", "floats") else "one"
+            return f"{some} of {', '.join(map(str, self.choices))}"
+        bound = "within its range" if callable(self.check) else self.check or ""
+        unit = f"[{self.unit}]" if self.unit else ""
+        return " ".join(filter(None, (_KINDS[str(self.kind)], _BOUNDS.get(bound, bound), unit)))
 
 
 def _typed(kind: str, value: Any) -> Any:
@@ -111,11 +114,6 @@ def _typed(kind: str, value: Any) -> Any:
     if of is int and (int(value) != value or abs(value) > INT_MAX):
         raise ValueError
     return of(value)
-
-
-def above_one(value: float) -> bool | str:
-    """Check a ratio of specific heats or a Mach number."""
-    return value > 1 or "a number above 1"
 
 
 def _increasing(times: Sequence[float]) -> bool | str:

@@ -8,7 +8,6 @@ from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.checks import Array
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.options import above_one
 
 #: the options in force
 Opt = Mapping[str, Any]
@@ -20,7 +19,7 @@ PAPER = {"fsi_h": 0.0125, "fsi_coupling": "projection"}
 _KNOWN = {
     "fluid_mu": ("Pa s", "viscosity of the gas", "nonnegative"),
     "fluid_kappa": ("W/(m K)", "heat conductivity of the gas", "nonnegative"),
-    "fluid_gamma": ("", "ratio of the specific heats of the gas", above_one),
+    "fluid_gamma": ("", "ratio of the specific heats of the gas", "above 1"),
     "fluid_R": ("J/(kg K)", "gas constant over molar mass", "positive"),
     "solid_modulus": ("Pa", "2 mu_e + lambda_e of the solid", "positive"),
     "solid_kappa": ("W/(m K)", "heat conductivity of the solid", "nonnegative"),

@@ -64,20 +64,17 @@ class Comparison:
 
 def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Comparison:
     """Compare all fields in the frames, and all series in the steps, that two results have at equal
-    times.
+    times. FileError if one of them cannot be read.
 
     Args:
         first: path of a result.
         second: path of the other one.
-
-    Raises:
-        FileError: one of them cannot be read.
     """
     a, b, notes = open_run(first), open_run(second), list[str]()
     found = [*_of_layers(a, b, notes), *_of_series(a, b, notes)]
     names = sorted({*a.options, *b.options} - {"fsi_output"})
     pairs = {name: (a.options.get(name), b.options.get(name)) for name in names}
-    changed = {name: (one, two) for name, (one, two) in pairs.items() if one != two}
+    changed = {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}
     return Comparison(tuple(_on_one_scale(found)), tuple(notes), changed)
 
 

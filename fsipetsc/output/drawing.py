@@ -7,7 +7,7 @@ colours are those of Okabe and Ito, which eyes that do not tell red from green t
 
 import textwrap
 from collections.abc import Sequence
-from itertools import chain, product
+from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -34,7 +34,6 @@ THIN = 0.2  # height over width; what is thinner is drawn higher than it is
 WIDE = 1.25  # width over height; of what is wider, two panels stand beside each other, else three
 STILL = 1e-3  # of the largest speed; there are no streamlines where it is less
 STREAM = 150  # points along each side of a panel, between which streamlines go
-SIDES = (0, 0), (0, -1), (1, 0), (1, -1)  # axis and index of an edge of a block
 LINES = 40  # of the grid in a solid as long as a panel
 LONGEST, WIDEST = 28, 20  # letters in a legend, in a line of the label of a vertical axis
 NOTHING = 1e-10  # of the values of a unit: what varies by less is round-off
@@ -147,9 +146,20 @@ class View:
         self.plane, self.labels, self.unit = run.dimension > 1, there(run)[name], FIELDS[name][1]
         kinds = {*self.labels, *["solid"] * self.plane}
         self.layers = [layer for layer in run.layers if layer.kind in kinds]
-        known = [[self.at(layer, k) for k in self.frames] for layer in self.layers]
-        *ranges, (low, high) = np.array([extremes(*along) for along in zip(*chain(*known))])
-        self._colour([[at[-1] for at in of] for of in known])
+        known = [(layer.kind, k, self.at(layer, k)) for layer in self.layers for k in self.frames]
+        found = zip(*(of for *_, of in known))
+        *ranges, (low, high) = np.array([extremes(*along) for along in found])
+        fields = [of for layer in run.layers for of in layer.frame(-1).items()]
+        same = [of for field, of in fields if unit_of(field) == self.unit]
+        size = max(map(abs, (low, high, *extremes(*same))))
+        # initial data may go far beyond what follows
+        late = [(kind, of[-1]) for kind, k, of in known if k > 0 or len(self.frames) == 1]
+        self.scales = {
+            label: self._scale(
+                label, size, [v for kind, v in late if self.labels.get(kind) == label]
+            )
+            for label in self.labels.values()
+        }
         last = "r" if run.header.get("symmetry") else "xyz"[run.dimension - 1]
         last = labelled(run, last, "m")
         if self.plane:
@@ -187,31 +197,24 @@ class View:
         bars = BAR * len(self.scales) * self.plane + 0.45
         return columns, width, -(-count // columns) * (width / ratio + ABOVE) + bars
 
-    def _colour(self, values: list[list[Array]]) -> None:
-        """Find colour map and range of each label, beyond which a few values may lie. What has both
-        signs is white at 0. Round-off, beside all that has the same unit, gets one colour.
+    def _scale(self, label: str, size: float, values: Sequence[Array]) -> dict[str, Any]:
+        """Return colour map and range, beyond which a few values may lie. What has both signs is
+        white at 0. Round-off, beside values of this size with the same unit, gets one colour.
         """
-        fields = [of for layer in self.run.layers for of in layer.frame(-1).items()]
-        same = [of for name, of in fields if unit_of(name) == self.unit]
-        size = max(map(abs, extremes(*same, *chain(*values))))
-        begins = int(self.frames[0] == 0)  # initial data may go far beyond what follows
-        self.scales = dict[str, dict[str, Any]]()
-        for label in self.labels.values():
-            known = [of for la, of in zip(self.layers, values) if self.labels.get(la.kind) == label]
-            shown = np.concatenate([np.ravel(v) for of in known for v in of[begins:] or of])
-            low, high = extremes(shown)
-            inner = np.percentile(shown[np.isfinite(shown)], INSIDE) if low < high else (low, high)
-            if inner[1] - inner[0] > NOTHING * size:  # else what happens is in few places
-                low, high = map(float, inner)
-            if high - low <= NOTHING * size:
-                low, high = (0.5 * (low + high) + sign * (0.1 * size or 1.0) for sign in (-1, 1))
-            stress = "stress" in label
-            colours = "cividis" if stress else PLAIN.get(self.name, "viridis")
-            signed = stress or self.name not in PLAIN
-            if signed and min(-low, high) > BESIDE * (high - low):
-                colours, high = "PuOr_r" if stress else "RdBu_r", max(-low, high)
-                low = -high
-            self.scales[label] = {"cmap": colours, "vmin": low, "vmax": high}
+        low, high = extremes(*values)
+        shown = np.concatenate([v[np.isfinite(v)] for v in values])
+        inner = np.percentile(shown, INSIDE) if low < high else (low, high)
+        if inner[1] - inner[0] > NOTHING * size:  # else what happens is in few places
+            low, high = map(float, inner)
+        if high - low <= NOTHING * size:
+            low, high = (0.5 * (low + high) + sign * (0.1 * size or 1.0) for sign in (-1, 1))
+        stress = "stress" in label
+        colours = "cividis" if stress else PLAIN.get(self.name, "viridis")
+        signed = stress or self.name not in PLAIN
+        if signed and min(-low, high) > BESIDE * (high - low):
+            colours, high = "PuOr_r" if stress else "RdBu_r", max(-low, high)
+            low = -high
+        return {"cmap": colours, "vmin": low, "vmax": high}
 
     def draw(self, axes: Axes, frame: int) -> None:
         """Draw one frame."""
@@ -238,7 +241,7 @@ class View:
 
     def _outline(self, axes: Axes, solids: list[list[Array]]) -> None:
         """Draw edges of solids that are not between two blocks, and a fine grid, which deforms."""
-        edges = [[v.take(end, k) for v in of] for of, (k, end) in product(solids, SIDES)]
+        edges = [[v.take(end, k) for v in of] for of, k, end in product(solids, (0, 1), (0, -1))]
         places = [frozenset(zip(*edge)) for edge in edges]
         for edge, (color, width) in product(edges, OUTLINE):
             if places.count(frozenset(zip(*edge))) == 1:

@@ -20,9 +20,9 @@ metadata, which has checksums (format of HDF5 1.10), is an error and not a crash
 
 A checkpoint, which is numbers and a text and never code, has
 
-    512 bytes        "fsipetsc checkpoint 11", the SHA-256 and the length of all that follows
-    an HDF5 file     header, JSON text; arrays/NAME for each array. HDF5 passes over 512 bytes, so
-                     h5dump and h5py open the file as it is
+    about            JSON text: format, version, header
+    arrays/NAME      each array
+    sha256           of the text and the numbers
 
 NAME.xdmf, for ParaView and VTK, holds no numbers: a collection over time of collections of blocks,
 each a curvilinear grid, in two dimensions one point deep (with a 2DSMesh, VTK's reader takes no
@@ -45,18 +45,16 @@ import h5py
 import numpy as np
 
 from fsipetsc.checks import Array
-from fsipetsc.errors import FileError, FsiError, petsc_words, reason
+from fsipetsc.errors import FileError, FsiError, petsc_words, reason, short
 
-#: what each file of a result says of itself
-ABOUT = {"format": "fsipetsc result", "version": 4}
+#: what our files say of themselves
+RESULT = {"format": "fsipetsc result", "version": 4}
+CHECKPOINT = {"format": "fsipetsc checkpoint", "version": 12}
 NAMES = "names"  # attribute of the group of series: their names
 LIBVER = ("v110", "v110")
-_MAGIC = b"fsipetsc checkpoint "
-_CHECKPOINT = 11  # version
 _XDMF = b'<Xdmf Version="2.0"><!-- a result of fsipetsc -->'
 #: what ours begin with, also those of before 1.0
 _XDMF_OF_OURS = _XDMF, b'<Xdmf Version="2.0"><Domain><Grid Name="'
-_HEAD = 512  # bytes: HDF5 looks for its own beginning at this place, too
 
 
 @contextmanager
@@ -100,6 +98,23 @@ def check_folder(path: str | os.PathLike[str]) -> None:
 def open_h5(path: str | os.PathLike[str], mode: str = "r") -> h5py.File:
     """Open without file locks: a result may be looked at while its run goes on."""
     return h5py.File(path, mode, locking=False, libver=LIBVER if mode != "r" else None)
+
+
+@contextmanager
+def opened(path: Path, kind: Mapping[str, Any]) -> Iterator[tuple[h5py.File, dict[str, Any]]]:
+    """Open a file of this kind, and read what it says about itself. Any error while it is read
+    becomes a FileError.
+    """
+    called = short(path)
+    if not path.is_file():  # a pipe would wait for a writer
+        what = "is no regular file" if path.exists() else "there is no such file"
+        raise FileError(f"{called}: {what}")
+    with damage(called), open_h5(path) as file:
+        about = json.loads(file["about"][()] if "about" in file else "{}")
+        if not kind.items() <= about.items():
+            said = f"is not a {kind['format'].split()[-1]} of fsipetsc"
+            raise FileError(f"{called}: {said}, in the format {kind.get('version')}")
+        yield file, about
 
 
 class _Memory(io.BytesIO):
@@ -176,49 +191,41 @@ class CheckpointError(FileError):
     """A checkpoint could not be written; the result may well be."""
 
 
-def _head_of(body: bytes) -> bytes:
-    """Return what a checkpoint begins with: version, checksum and length of what follows."""
-    sha = hashlib.sha256(body).hexdigest()
-    return f"{_MAGIC.decode()}{_CHECKPOINT}\n{sha}\n{len(body)}".encode().ljust(_HEAD, b"\0")
-
-
 def is_checkpoint(path: Path) -> bool:
-    """Tell whether there is a file that begins as a checkpoint does, whole or damaged. OSError."""
-    if not path.is_file():  # a pipe would wait for a writer
-        return False
-    with path.open("rb") as file:
-        return file.read(len(_MAGIC)) == _MAGIC
+    """Tell whether a file is a checkpoint, of any version."""
+    with suppress(FileError), opened(path, {"format": CHECKPOINT["format"]}):
+        return True
+    return False
+
+
+def _sum(text: bytes, arrays: Mapping[str, Array]) -> str:
+    """Return the checksum of what a checkpoint holds."""
+    found = hashlib.sha256(text)
+    for name in sorted(arrays):
+        found.update(np.ascontiguousarray(arrays[name]))
+    return found.hexdigest()
 
 
 def read_checkpoint(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Array]]:
-    """Return header and arrays of a checkpoint. FileError, also if a byte is not as written."""
-    path = Path(path)
-    try:
-        if path.exists() and not is_checkpoint(path):
-            raise FileError(f"{path}: is not a checkpoint of fsipetsc")
-        content = path.read_bytes()
-    except OSError as error:
-        raise FileError(f"{path}: cannot be read: {error.strerror or error}") from None
-    body = content[_HEAD:]
-    version = content[len(_MAGIC) :].split(b"\n")[0]
-    if version.isdigit() and int(version) != _CHECKPOINT:
-        said = f"has version {int(version)}, this fsipetsc reads {_CHECKPOINT}"
-        raise FileError(f"{path}: the checkpoint {said}: start the run anew")
-    if content[:_HEAD] != _head_of(body):
-        raise FileError(f"{path}: the checkpoint is damaged")
-    with damage(str(path)), h5py.File(io.BytesIO(body), "r") as file:
-        arrays = {key: found[...] for key, found in file.get("arrays", {}).items()}
-        return json.loads(file["header"].asstr()[()]), arrays
+    """Return header and arrays of a checkpoint. FileError, also if they are not as written."""
+    with opened(Path(path), CHECKPOINT) as (file, about):
+        arrays = {name: found[...] for name, found in file.get("arrays", {}).items()}
+        if file["sha256"][()] != _sum(file["about"][()], arrays).encode():
+            raise FileError(f"{path}: the file is damaged")
+        return about["header"], arrays
 
 
 def write_checkpoint(
     path: str | os.PathLike[str], header: Mapping[str, Any], arrays: Mapping[str, Any]
 ) -> None:
     """Make this the checkpoint of a name. CheckpointError: then what was there is unchanged."""
-    found = {"header": json.dumps(header), **{f"arrays/{k}": of for k, of in arrays.items()}}
-    target, body = Path(os.path.realpath(path)), image(found)
+    text, target = (
+        json.dumps({**CHECKPOINT, "header": header}).encode(),
+        Path(os.path.realpath(path)),
+    )
+    about = {"about": np.bytes_(text), "sha256": np.bytes_(_sum(text, arrays))}
     try:
-        put(target, _head_of(body) + body)
+        put(target, image(about | {f"arrays/{name}": of for name, of in arrays.items()}))
     except OSError as error:
         kept = f"; the one before is kept in {target}" if target.is_file() else ""
         said = f"{path}: the checkpoint cannot be written: {error.strerror or error}{kept}"

@@ -129,7 +129,7 @@ def to_xarray(run: Run) -> Any:
             where[f"{name}.{field}"] = ["time", *dimensions], layer[field], more
     for series, values in run.series.items():
         of = [SERIES[series].of] * (values.ndim - 1)
-        coordinates |= {column: (column, [*run.columns[column]]) for column in of}
+        coordinates |= {column: (column, run.columns[column]) for column in of}
         variables[f"series.{series}"] = ["step", *of], values, about(series)
     if "t" in run.series:
         coordinates["t"] = "step", run.series["t"], about("t")

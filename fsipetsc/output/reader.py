@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.checks import Array, counted
-from fsipetsc.errors import FileError, short
+from fsipetsc.errors import FileError
 from fsipetsc.output import file_layout as layout
 
 
@@ -48,38 +47,21 @@ class Run:
         if whole.suffix == ".parts":  # of a run that goes on or was killed
             whole = whole.with_suffix(".h5")
         self.path = str(whole)
-        found = [] if whole.exists() else layout.pieces(layout.beside(whole, ".parts"))
-        if not found and not whole.is_file():  # a pipe would wait for a writer
-            what = "is no regular file" if whole.exists() else "there is no such file"
-            raise FileError(f"{short(whole)}: {what}")
-        try:
-            self._read(found or [whole])
-        except FileError:
-            if not (found and whole.exists()):
-                raise
-        if found and whole.exists():  # the pieces have become one file meanwhile
-            self._read([whole])
-
-    def _read(self, files: Sequence[Path]) -> None:
-        """Read all but fields. FileError, which tells what is not as it should be."""
+        found = layout.pieces(layout.beside(whole, ".parts"))  # before it is asked for the whole
+        found = [whole] if whole.exists() or not found else found
         self._files: list[tuple[Path, int]] = []  # and how many frames they have
         nodes, times, series = list[Array](), list[Array](), dict[str, list[Array]]()
-        for path in files:
-            called = short(path)
-            with layout.damage(called), layout.open_h5(path) as file:
-                about: dict[str, Any] = json.loads(file["about"][()] if "about" in file else "{}")
-                if not layout.ABOUT.items() <= about.items():
-                    said = f"is not a result of fsipetsc, in its format {layout.ABOUT['version']}"
-                    raise FileError(f"{called}: {said}")
+        for piece in found:
+            with layout.opened(piece, layout.RESULT) as (file, about):
                 layers = about["header"]["layers"]
                 times.append(layout.numbers(file["time"], None))
-                self._files.append((path, len(times[-1])))
+                self._files.append((piece, len(times[-1])))
                 if "series" in file:
                     group, steps = file["series"], len(layout.numbers(file["series/t"], None))
                     # a list: HDF5, asked for names, crashes where a byte of many names has changed
                     for name in map(bytes.decode, group.attrs[layout.NAMES]):
-                        found = layout.numbers(group[name], steps, *group[name].shape[1:2])
-                        series.setdefault(name, []).append(found)
+                        rows = layout.numbers(group[name], steps, *group[name].shape[1:2])
+                        series.setdefault(name, []).append(rows)
                 for k, of in enumerate(layers if "layer0/X" in file and not nodes else ()):
                     n, d = math.prod(of["shape"]), len(of["shape"])
                     nodes.append(layout.numbers(file[f"layer{k}/X"], *((n, d) if d > 1 else (n,))))
@@ -102,14 +84,12 @@ class Run:
             self.layers = tuple(Layer(self, k, *of) for k, of in enumerate(every))
             self.blocks: dict[str, Layer] = {layer.name: layer for layer in self.layers}
             #: what columns of series may be of -> the names of these
-            self.columns = {
-                "interface": self.interfaces,
-                "gas": tuple(layer.name for layer in self.layers if layer.kind == "fluid"),
-                "layer": tuple(self.blocks),
-                "face": self.faces,
-                "point": tuple(
-                    f"{name} at {', '.join(map('{:g}'.format, X))}" for name, X in self.points
-                ),
+            self.columns: dict[str, list[str]] = {
+                "interface": [*self.interfaces],
+                "gas": [layer.name for layer in self.layers if layer.kind == "fluid"],
+                "layer": [*self.blocks],
+                "face": [*self.faces],
+                "point": [f"{name} at {', '.join(f'{x:g}' for x in X)}" for name, X in self.points],
             }
 
     def _need_frames(self) -> None:
@@ -130,8 +110,7 @@ class Run:
             raise KeyError(f"there is no interface {k!r} with a line; there are: {names}")
         self._need_frames()
         number = names.index(k) if isinstance(k, str) else k
-        solid, axis, side = self.header["interface_faces"][number]
-        return InterfaceLine(names[number], solid, self.layers[solid], axis, side)
+        return InterfaceLine(self, names[number], *self.header["interface_faces"][number])
 
     def to_xarray(self) -> Any:
         """Return all frames and series as an xarray Dataset, with dimensions, coordinates, units.
@@ -263,8 +242,8 @@ class InterfaceLine:
             along the normal of the reference into the solid.
     """
 
-    def __init__(self, name: str, solid: int, layer: Layer, axis: int, side: int) -> None:
-        self.name, self.solid = name, solid
+    def __init__(self, run: Run, name: str, solid: int, axis: int, side: int) -> None:
+        self.name, self.solid, layer = name, solid, run.layers[solid]
         self.X, self.Y = X, Y = layer.places.take(-side, -2 - axis).T
         self.x, self.y, self.u, self.v, self.T = (
             layer[name].take(-side, axis=-1 - axis) for name in ("x", "y", *"uvT")

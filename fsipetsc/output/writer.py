@@ -82,7 +82,7 @@ class RunWriter:
         self._times: list[float] = []  # of these
         self._new_rows: list[Array] = []  # likewise; on rank 0
         self._lock: IO[str] | None = None  # on rank 0
-        self._about = {**layout.ABOUT, "header": {**header}}
+        self._about = {**layout.RESULT, "header": {**header}}
         self.path = Path(os.path.realpath(path))
         self.folder = beside(self.path, ".parts")
         self.mark = ""

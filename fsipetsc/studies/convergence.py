@@ -22,7 +22,7 @@ from fsipetsc.output.differences import common_nodes
 from fsipetsc.output.quantities import unit_of
 from fsipetsc.output.reader import Run
 from fsipetsc.process.together import Comm, together
-from fsipetsc.studies.trials import ROUND_OFF, Row, Study, Trial, listed_in, picture
+from fsipetsc.studies.trials import ROUND_OFF, Row, Study, Trial, picture
 
 #: relative differences of grids that resolve a solution are smaller
 RESOLVED = 0.1
@@ -35,7 +35,7 @@ _SPACINGS = (
     "grid spacings; default: 2, 1, 1/2 times -fsi_h; in 1-D, with an exact solution, 4, 1/4, too"
 )
 OPTIONS = (
-    Option("fsi_orders", "ints", None, "", _ORDERS, check=listed_in((2, 4, 6, 8))),
+    Option("fsi_orders", "ints", None, "", _ORDERS, (2, 4, 6, 8)),
     Option("fsi_hs", "floats", None, "m", _SPACINGS, check="positive"),
 )
 

@@ -285,9 +285,3 @@ class Study:
         """
         here = self.comm.rank == 0
         return together(self.comm, action if here else lambda: None, asleep=True)
-
-
-def listed_in(allowed: Sequence[int]) -> Callable[[Sequence[int]], str | None]:
-    """Return the check of an option: some of the allowed numbers."""
-    words = f"numbers out of {','.join(map(str, allowed))}"
-    return lambda values: None if values and set(values) <= set(allowed) else words
