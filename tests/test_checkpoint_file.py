@@ -18,33 +18,26 @@ SMALL = {"case": "rod", "memory": {"t": float("inf")}}, {"layer0": np.arange(6.0
 
 
 def test_each_byte_counts(tmp_path):
-    """A bit that changes is noticed (one in every third byte), if it changes anything that is read;
-    and so is a file that was cut."""
-    path = tmp_path / "a.h5"
-    write_checkpoint(path, *SMALL)
-
-    def whole():
-        header, arrays = read_checkpoint(path)
-        return header == SMALL[0] and np.array_equal(arrays["layer0"], SMALL[1]["layer0"])
-
-    assert whole()
-    with h5py.File(path) as file:  # as it is for other programs
+    """A bit that changes is noticed (one in every third byte), and so is a file that was cut."""
+    write_checkpoint(tmp_path / "a.h5", *SMALL)
+    header, arrays = read_checkpoint(tmp_path / "a.h5")
+    assert header == SMALL[0] and np.array_equal(arrays["layer0"], SMALL[1]["layer0"])
+    with h5py.File(tmp_path / "a.h5") as file:  # as it is for other programs
         assert file["arrays/layer0"][3] == 3.0
-    content, unseen = bytearray(path.read_bytes()), 0
+    content = bytearray((tmp_path / "a.h5").read_bytes())
+
+    def refused(content):
+        (tmp_path / "a.h5").write_bytes(content)
+        with pytest.raises(FileError, match=r"is not a checkpoint|damaged"):
+            read_checkpoint(tmp_path / "a.h5")
+
     for i in range(0, len(content), 3):
         content[i] ^= 1 << i % 8
-        path.write_bytes(content)
-        try:
-            unseen += whole() or pytest.fail(f"byte {i}")
-        except FileError as error:
-            assert "is not a checkpoint" in str(error) or "damaged" in str(error)
+        refused(content)
         content[i] ^= 1 << i % 8
-    assert unseen < 0.9 * len(content) / 3
     for length in {0, 1, 19, 511, 512, 513, len(content) // 2, len(content) - 1}:
-        path.write_bytes(content[:length])
-        with pytest.raises(FileError, match="is not a checkpoint|damaged"):
-            read_checkpoint(path)
-    with pytest.raises(FileError, match="is no regular file"):
+        refused(content[:length])
+    with pytest.raises(FileError, match=r"is no regular file"):
         read_checkpoint(tmp_path)
 
 
