@@ -33,10 +33,6 @@ class InputError(FsiError):
     status = 2
 
 
-class RanksError(InputError):
-    """There are more ranks than the problem can feed."""
-
-
 class ComputationError(FsiError):
     """The computation failed; the message names field, layer, x, t and step. Exit status 3."""
 

@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 from block_ledgers import slab
 from helpers import message, rows_of, solve, well
-from mpi4py import MPI
 
-from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.cases.common import at_rest, constant
@@ -70,8 +68,7 @@ def test_modes_whose_frequencies_have_the_product_s_squared():
     """Gas between walls; they have one value in what is searched. What rests is no mode."""
     start = lambda X: [1 + 0 * X, 0 * X, 1 / 1.4 + 0 * X]  # noqa: E731
     problem = slab(AIR, start, (Slip(), Slip()), 20)
-    with BlockState(MPI.COMM_SELF, problem, {"fsi_order": 4}) as state:
-        found = np.sort(np.abs(modes_near(state, -4.441977417808851j, 60)))
+    found = np.sort(np.abs(modes_near(problem, {"fsi_order": 4}, -4.441977417808851j, 60)))
     assert len(found) == 38
     assert found[:6:2] == pytest.approx([3.14151393417, 4.91619799627, 6.28078174848], rel=1e-10)
 
@@ -96,8 +93,7 @@ def stack(gas, solid, n, columns, depth=1.0, length=1.0):
 
 def modes_of(problem, order):
     """Eigenvalues of what has one wave along the layers."""
-    with BlockState(MPI.COMM_SELF, problem, {"fsi_order": order}) as state:
-        return column_modes(state, 0, 1)[0]
+    return column_modes(problem, {"fsi_order": order}, 0, 1)[0]
 
 
 def test_normal_modes(monkeypatch):

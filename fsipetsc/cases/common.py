@@ -11,23 +11,22 @@ from fsipetsc.operators.sbp import OPERATORS
 
 #: the options in force
 Opt = Mapping[str, Any]
-#: defaults of cases with shocks; of those of the paper, which has this grid and coupling
+#: defaults of cases with shocks
 SHOCKS = {"fsi_shock": 1.0, "fsi_dissipation": 1.0}
-PAPER = {"fsi_h": 0.0125, "fsi_coupling": "projection"}
 
-#: name -> unit, meaning, check
+#: name -> unit, meaning, choices, check
 _KNOWN = {
-    "fluid_mu": ("Pa s", "viscosity of the gas", "nonnegative"),
-    "fluid_kappa": ("W/(m K)", "heat conductivity of the gas", "nonnegative"),
-    "fluid_gamma": ("", "ratio of the specific heats of the gas", "above 1"),
-    "fluid_R": ("J/(kg K)", "gas constant over molar mass", "positive"),
-    "solid_modulus": ("Pa", "2 mu_e + lambda_e of the solid", "positive"),
-    "solid_kappa": ("W/(m K)", "heat conductivity of the solid", "nonnegative"),
-    "solid_density": ("kg/m3", "density m0 of the solid in its reference state", "positive"),
-    "solid_alpha": ("J/(kg K)", "specific heat of the solid", "positive"),
-    "solid_mu": ("Pa", "mu_e of the solid", "positive"),
-    "solid_lambda": ("Pa", "lambda_e of the solid", "nonnegative"),
-    "solid_gruneisen": ("", "p of the solid over rho epsilon; 0: elastic", "nonnegative"),
+    "fluid_mu": ("Pa s", "viscosity of the gas", None, "nonnegative"),
+    "fluid_kappa": ("W/(m K)", "heat conductivity of the gas", None, "nonnegative"),
+    "fluid_gamma": ("", "ratio of the specific heats of the gas", None, "above 1"),
+    "fluid_R": ("J/(kg K)", "gas constant over molar mass", None, "positive"),
+    "solid_modulus": ("Pa", "2 mu_e + lambda_e of the solid", None, "positive"),
+    "solid_kappa": ("W/(m K)", "heat conductivity of the solid", None, "nonnegative"),
+    "solid_density": ("kg/m3", "density m0 of the solid in its reference state", None, "positive"),
+    "solid_alpha": ("J/(kg K)", "specific heat of the solid", None, "positive"),
+    "solid_mu": ("Pa", "mu_e of the solid", None, "positive"),
+    "solid_lambda": ("Pa", "lambda_e of the solid", None, "nonnegative"),
+    "solid_gruneisen": ("", "p of the solid over rho epsilon; 0: elastic", None, "nonnegative"),
 }
 
 
@@ -37,10 +36,9 @@ def materials(**defaults: Any) -> tuple[Option, ...]:
     def option(name: str, value: Any) -> Option:
         if name == "solid_law":
             return Option(name, str, value[0], "", "law of the solid", value)
-        unit, meaning, check = _KNOWN[name]
-        return Option(name, float, value, unit, meaning, check=check)
+        return Option(name, float, value, *_KNOWN[name])
 
-    return tuple(option(*one) for one in defaults.items())
+    return tuple(map(option, defaults, defaults.values()))
 
 
 def gas_of(opt: Opt, R: float = 1.0) -> Fluid:
@@ -51,9 +49,8 @@ def gas_of(opt: Opt, R: float = 1.0) -> Fluid:
 
 def solid_of(opt: Opt, force: float = 0.0) -> Solid:
     """Return the solid of a case of layers; force [m/s2] on it."""
-    conducted, G = opt.get("solid_kappa", 0.0), opt.get("solid_gruneisen", 0.0)
-    numbers = opt["solid_modulus"], conducted, opt["solid_density"], opt["solid_alpha"]
-    return Solid(*numbers, force, G)
+    K, kappa_e, m0 = opt["solid_modulus"], opt.get("solid_kappa", 0.0), opt["solid_density"]
+    return Solid(K, kappa_e, m0, opt["solid_alpha"], force, opt.get("solid_gruneisen", 0.0))
 
 
 def elastic_of(opt: Opt, p_ref: float = 1.0, **more: Any) -> ElasticSolid:

@@ -7,7 +7,7 @@ import numpy as np
 from fsipetsc import FluidLayer, InputError, Option, Problem, SolidLayer
 from fsipetsc.boundaries import Dirichlet, Open, Wall, absorbing, clamped
 from fsipetsc.cases import case
-from fsipetsc.cases.common import PAPER, Opt, constant, gas_of, line_at_rest, materials, solid_of
+from fsipetsc.cases.common import Opt, constant, gas_of, line_at_rest, materials, solid_of
 from fsipetsc.cases.manufactured import recorded
 from fsipetsc.equations.elementary import exp, power
 from fsipetsc.kernels.symbols import derivatives
@@ -42,7 +42,7 @@ def rod(opt: Opt) -> Problem:
 
 
 @case(
-    {**PAPER, "ts_max_time": 0.45, "fsi_output_dt": 0.05},
+    {"fsi_h": 0.0125, "fsi_coupling": "projection", "ts_max_time": 0.45, "fsi_output_dt": 0.05},
     *materials(fluid_mu=0.01, fluid_kappa=0.03, fluid_gamma=1.4, fluid_R=1.0),
     *materials(solid_modulus=10.0, solid_kappa=0.02, solid_density=2.0, solid_alpha=1.0),
 )
@@ -106,7 +106,7 @@ def mms(opt: Opt) -> Problem:
 
 
 @case(
-    {**PAPER, "ts_max_time": 4e-3, "fsi_output_dt": 2e-4},
+    {"fsi_h": 0.0125, "fsi_coupling": "projection", "ts_max_time": 4e-3, "fsi_output_dt": 2e-4},
     *materials(fluid_mu=0.0, fluid_kappa=0.0, fluid_gamma=1.4, fluid_R=8.3145 / 0.029),
     *materials(solid_modulus=1e6, solid_kappa=0.0, solid_density=4.0, solid_alpha=1000.0),
     *materials(solid_gruneisen=0.0),

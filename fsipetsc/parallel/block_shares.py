@@ -12,7 +12,7 @@ from math import prod
 
 import numpy as np
 
-from fsipetsc.errors import RanksError
+from fsipetsc.errors import InputError
 
 #: work of a node of gas in entropy form by dimension, relative to a solid's: measured
 COST = {1: 1.6, 2: 1.3, 3: 1.45}
@@ -96,12 +96,12 @@ def share_out(extents: Sequence[Extent], size: int, mode: str = "auto") -> list[
     balanced: equal work for all ranks, in the order of the blocks, gas first; blocks are cut along
     their longest axes only. Where that is impossible it is physics. auto: the one with which the
     slowest rank has less to do.
-    RanksError, which names the largest number of ranks that works, if these are too many.
+    InputError, which names the largest number of ranks that works, if these are too many.
     """
     caps = [prod(extent.most) for extent in extents]
     if size > sum(caps):
         least = min(min(extent.least) for extent in extents)
-        raise RanksError(
+        raise InputError(
             f"{size} ranks are more than these blocks can feed: with at least {least} nodes along "
             f"each cut axis on a rank, {sum(caps)} is the largest number that works"
         )

@@ -7,9 +7,10 @@ samples, a ratio that of pairs taken one after the other.
 
 import os
 import subprocess
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from itertools import product
+from math import nan
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -24,8 +25,8 @@ from fsipetsc.cases.common import at_rest
 from fsipetsc.errors import InputError
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import RUN, Option, defaults
-from fsipetsc.process.together import Comm, together
-from fsipetsc.studies.trials import Study
+from fsipetsc.process.together import Comm
+from fsipetsc.studies.trials import USUAL, Study
 
 #: form -> -fsi_convection, whether there is viscosity, words for the other program
 FORMS = {
@@ -49,8 +50,8 @@ OPTIONS = (
     Option("bench_repeats", int, 5, "", "samples; their median counts", check="positive"),
     Option("bench_rod_program", str, None, "", "folder of another program for the rod"),
     Option("bench_square_program", str, None, "", "the same for gas | solid, 2-D"),
-    Option("fsi_output", str, "bench", "", "base name of the table NAME.csv"),
-    *(option for option in RUN if option.name in ("fsi_quiet", "fsi_partition")),
+    *(option for option in RUN if option.name == "fsi_partition"),
+    *USUAL,
 )  # fmt: skip
 
 
@@ -59,7 +60,7 @@ def bench(arguments: list[str], comm: Comm) -> None:
 
     InputError for options, ranks that do not fit, another program that does not run; FileError.
     """
-    study = Study(comm, arguments, OPTIONS)
+    study = Study(comm, arguments, OPTIONS, "bench")
     opt = study.opt
     counts = sorted({*(opt["bench_ranks"] or [1 << k for k in range(16) if 1 << k <= comm.size])})
     if comm.size < (most := counts[-1]):
@@ -129,32 +130,28 @@ def measured(
     """
     from fsipetsc.stepping.run import build_problem, make_state
 
-    def on(ranks: int, action: Callable[[], Any]) -> Any:
-        here = study.comm.rank < ranks
-        return together(study.comm, action if here else lambda: None, asleep=True)
-
     def make(team: Comm) -> Any:
         return make_state(build_problem(case, options, team), options, team)
 
     def sample(n: int, steps: int) -> Any:
-        return on(n, lambda: step_time(states[n], options, steps))
+        return study.on_first(lambda: step_time(states[n], options, steps), n)
 
-    states = {n: on(n, partial(make, team)) for n, team in teams.items()}
-    points = {n: on(n, lambda n=n: states[n].points) for n in teams}
+    states = {n: study.on_first(partial(make, team), n) for n, team in teams.items()}
+    points = {n: study.on_first(lambda n=n: states[n].points, n) for n in teams}
     sample(min(teams), 2)  # for what is made once
     step = study.comm.bcast(sample(min(teams), 10))
-    steps = min(20_000, max(6, round(1e6 * study.opt["bench_seconds"] / (step or 1.0))))
+    steps = min(20_000, max(6, round(1e6 * study.opt["bench_seconds"] / step)))
     rounds = []  # times of a step [µs]: number of ranks -> ours, 0 -> of the other program
     for _ in range(study.opt["bench_repeats"]):
         times = {n: sample(n, steps) for n in teams}
-        rounds.append({**times, 0: on(1, lambda: time_of(program, steps) if program else None)})
+        rounds.append({**times, 0: study.on_first(lambda: time_of(program, steps))})
 
     def ratio(a: int, b: int) -> str:
         return f"{median(times[a] / times[b] for times in rounds):.3g}"
 
     rows: list[list[object]] = []
     for n in teams if study.comm.rank == 0 else ():
-        own, other = (median(times[k] or 0.0 for times in rounds) for k in (n, 0))
+        own, other = (median(times[k] for times in rounds) for k in (n, 0))
         of_node = 1e3 * own / (4 * points[n])  # four stages
         beside = (f"{other:.4g}", ratio(n, 0)) if program else ("", "")
         speed_up = ratio(1, n) if n > 1 and 1 in teams else ""
@@ -180,7 +177,10 @@ def step_time(state: Any, opt: Mapping[str, Any], count: int) -> float:
 
 
 def time_of(program: Sequence[object], steps: int) -> float:
-    """Time of a step [µs] by another program; None: the number of steps. InputError."""
+    """Time of a step [µs] by another program, whose word None is the number of steps; nan if there
+    is none. InputError."""
+    if not program:
+        return nan
     words = [str(steps if word is None else word) for word in program]
     try:
         said = subprocess.run(words, capture_output=True, text=True, check=True).stdout.split()

@@ -6,6 +6,7 @@ or L2) of the mean over these, over the largest range on the finest grid of all 
 in layers of its kind.
 """
 
+from collections import defaultdict
 from collections.abc import Sequence
 from functools import partial, reduce
 from itertools import pairwise
@@ -17,7 +18,7 @@ from fsipetsc.cases import load_case
 from fsipetsc.checks import counted
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.options import Option
+from fsipetsc.options import Option, defaults
 from fsipetsc.output.differences import common_nodes
 from fsipetsc.output.quantities import unit_of
 from fsipetsc.output.reader import Run
@@ -65,18 +66,17 @@ def convergence(arguments: list[str], comm: Comm) -> None:
     end, unit = opt["ts_max_time"], " s" * (problem.units == "SI")
     about = f"{case.NAME}, distances from the {source} in {norm} at t = {end:g}{unit}"
     study.say(f"{about}, {counted(comm.size, 'rank')}\n")
-    own = {**opt, "fsi_output_dt": None, "fsi_output_times": (end,), "fsi_quiet": True}
-    power, runs, combined = POWERS[norm], list[Run](), list[Row]()
+    own = {name: opt[name] for name in defaults(case)}
+    own |= {"fsi_output_dt": None, "fsi_output_times": end}
+    power, runs, combined = POWERS[norm], defaultdict[int, list[Run]](list), list[Row]()
 
     def one(trial: Trial) -> None:
         """Run the case on a grid; compare it, or all grids of this order after the last one."""
-        if trial.h == hs[0]:
-            runs.clear()
-        run = trial.solve(case, **{**own, "fsi_h": trial.h})
+        run = trial.solve(arguments[0], **{**own, "fsi_h": trial.h})
         points, steps, _, seconds = (run.summary[name] for name in COST)
         cost = f"{points:>8.0f} points{steps:>8.0f} steps{seconds:>9.2f} s"
         study.say(f"{OPERATORS[trial.order].name}  h = {trial.h:<9.6g}{cost}")
-        runs.append(run)
+        runs[trial.order].append(run)
         # closures err by order s at a fixed number of nodes
         smooth = trial.order // 2 + 1.0 / power
         rate = trial.kinked(1.0 / power) if opt["fsi_shock"] > 0.0 else smooth
@@ -84,19 +84,18 @@ def convergence(arguments: list[str], comm: Comm) -> None:
             for name, error in errors.items():
                 trial.check(f"{kind}/{name}", error, rate)
         if not exact and trial.h == hs[-1]:
-            for name, apart in together(comm, lambda: differences(runs, power)).items():
+            of_grids = together(comm, lambda: differences(runs[trial.order], power))
+            for name, apart in of_grids.items():
                 known = rate if apart[-1] <= RESOLVED else None
-                blanks = [("", "")] * len(apart)
-                row = Row(name, trial.order, known, ROUND_OFF, hs[:-1], apart, blanks)
-                trial.rows[name] = row
+                trial.rows[name] = Row(name, trial.order, known, ROUND_OFF, hs[:-1], apart)
 
     for rows in study.measured(dict.fromkeys(orders, hs), one):
         study.say("")
-        costs = {name: [run.summary[name] for run in runs] for name in COST}
+        costs = {name: [run.summary[name] for run in runs[rows[0].order]] for name in COST}
         study.add(case.NAME, source, rows, costs)  # the table is written again after each order
         study.say("")
         combined += [row for row in rows if row.quantity.endswith("/combined")]
-        study.on_first(partial(picture, about, combined, study.path.with_suffix(".png"), False))
+        study.on_first(partial(picture, about, combined, study.path.with_suffix(".png")))
     study.say(f"saved {study.path}")
 
 
@@ -104,31 +103,34 @@ def differences(runs: Sequence[Run], power: int) -> dict[str, list[float]]:
     """LAYER/FIELD -> relative differences of each run but the last, from coarse to fine, from the
     next one; and of each layer "combined", their mean. InputError where there is no common node.
     """
-    values: dict[str, dict[str, Any]] = {}
+    values: dict[tuple[str, str], Any] = {}
     ranges: dict[tuple[str, str], float] = {}
     for layers in zip(*(run.layers for run in runs)):
         first, pairs = layers[0], [common_nodes(layers[0], layer, []) for layer in layers]
-        every = reduce(np.intersect1d, [pair[0] for pair in pairs])
+        every = reduce(np.intersect1d, [here for here, _ in pairs])
         if not len(every):
             raise InputError(
                 f"layer '{first.name}': no node of the coarsest grid is on all others; "
                 "-fsi_hs takes grids with common nodes, as in -fsi_hs 0.1,0.05,0.025"
             )
-        nodes = [pair[1][np.searchsorted(pair[0], every)] for pair in pairs]
-        of_layer = values[first.name] = {}
+        nodes = [there[np.searchsorted(here, every)] for here, there in pairs]
         for name in first.fields:
-            each = [of.frame(-1)[name].ravel()[at] for of, at in zip(layers, nodes)]
+            each = np.array([of.frame(-1)[name].ravel()[at] for of, at in zip(layers, nodes)])
             low, high = np.nanmin(each[-1]), np.nanmax(each[-1])
             size, sort = max(abs(low), abs(high)), (first.kind, unit_of(name) or name)
             span = high - low if high - low > 1e-9 * size else size  # else it is round-off
             ranges[sort] = max(ranges.get(sort, 0.0), float(span))
-            of_layer[name] = sort, each
+            values[first.name, name] = sort, each
+
+    def mean(of: Any, axis: int) -> Any:
+        return np.nanmean(np.abs(of) ** power, axis) ** (1 / power)
+
     found: dict[str, list[float]] = {}
-    for layer, of_layer in values.items():
+    for layer in runs[0].layers:
         own = {}
-        for name, (sort, each) in of_layer.items():
-            gaps = [np.abs(b - a) / (ranges[sort] or 1.0) for a, b in pairwise(each)]
-            own[name] = [float(np.nanmean(gap**power) ** (1 / power)) for gap in gaps]
-        means = [np.mean(np.power(of, power)) ** (1 / power) for of in zip(*own.values())]
-        found |= {f"{layer}/{name}": of for name, of in {**own, "combined": means}.items()}
+        for name in layer.fields:
+            sort, each = values[layer.name, name]
+            own[name] = mean(np.diff(each, axis=0) / (ranges[sort] or 1.0), 1)
+        own["combined"] = mean([*own.values()], 0)
+        found |= {f"{layer.name}/{name}": of.tolist() for name, of in own.items()}
     return found

@@ -11,7 +11,7 @@ and angle; in one dimension there is one column. The derivatives of column m by 
 for what is proportional to exp(i n phi).
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -28,10 +28,10 @@ from fsipetsc.process.together import Comm, together
 from fsipetsc.studies.trials import Study, reference
 
 Real, Complex = NDArray[np.float64], NDArray[np.complex128]
-#: weights of f(x + m s) - f(x - m s), m = 1, 2 …, in s f'(x): of order 2 and of order 8
-CENTRAL = {2: (1 / 2,), 8: (4 / 5, -1 / 5, 4 / 105, -1 / 280)}
-#: least disturbance, as a fraction of what there is, of columns, and of single unknowns
-NUDGE, TINY = 0.005, 2.0**-18
+#: s f'(x) is the sum of weights times f(x + m s), of order 4: m, weight
+CENTRAL = (1, 2 / 3), (-1, -2 / 3), (2, -1 / 12), (-2, 1 / 12)
+#: least disturbance, as a fraction of what there is
+NUDGE = 2.0**-10
 #: |z| at which each mode is amplified, and round-off of |R|
 FARTHEST, ROUND_OFF = 3.2, 1e-12
 #: what moves by less than this part of the rate of a mode is at rest
@@ -68,9 +68,6 @@ def modes(arguments: list[str], comm: Comm) -> None:
 
     Raises InputError, also where the case is not in a steady state at first; FileError.
     """
-    from mpi4py import MPI
-
-    from fsipetsc.blockrun.block_state import BlockState
     from fsipetsc.stepping.run import build_problem
 
     case, name = together(comm, lambda: load_case(arguments[0])), arguments[0]
@@ -84,47 +81,50 @@ def modes(arguments: list[str], comm: Comm) -> None:
     known = [omega for of in columns for omega in reference("normal_modes")[f"{of} imag"]]
 
     def found() -> Any:
-        with BlockState(MPI.COMM_SELF, problem, opt) as state:
-            if name in ("ring", "shell"):
-                return radial_modes(state, n)[:count]
-            omega = 1j * modes_near(state, -1j * opt["modes_near"], count)
+        if name in ("ring", "shell"):
+            return radial_modes(problem, opt, n)[:count]
+        omega = 1j * modes_near(problem, opt, -1j * opt["modes_near"], count)
         return omega[np.argsort(np.abs(omega))]
 
     rows, omegas = [], study.on_first(found)
     for i, omega in enumerate(omegas if comm.rank == 0 else (), 1):
-        apart = {float(abs(omega / exact - 1.0)): float(exact) for exact in known}
-        error = min(apart, default=1.0)
-        beside = (apart[error], error) if error < NEAR else ("", "")
+        exact = min(known, key=lambda exact: abs(omega / exact - 1.0), default=np.inf)
+        error = float(abs(omega / exact - 1.0))
+        beside = (exact, error) if error < NEAR else ("", "")
         rows.append((i, omega.real, omega.imag, *beside))
     of = f", angular number {n}" if name == "ring" else ""
     study.say(f"modes of {case.NAME}{of}, order {order}, h = {opt['fsi_h']:g}: exp(-i omega t)")
     study.table(("index", "omega_re", "omega_im", "exact", "error"), rows, ".12g")
 
 
-def derivatives(state: Any, directions: Iterable[tuple[Any, Any]], order: int = 8) -> list[Any]:
+def alone(problem: Any, opt: Mapping[str, Any]) -> Any:
+    """The state at first, on this rank alone."""
+    from mpi4py import MPI
+
+    from fsipetsc.stepping.run import make_state
+
+    state = make_state(problem, {"fsi_debug": False, **opt}, MPI.COMM_SELF)
+    state.set_initial()
+    return state
+
+
+def derivatives(state: Any, directions: Iterable[tuple[Any, Any]]) -> list[Any]:
     """Sparse matrices L and P about the solution of a state, with a column for each direction of
-    disturbance: numbers in the vector of unknowns, and by how much they change. Central differences
-    of an order, 2 or 8.
+    disturbance: numbers in the vector of unknowns, and by how much they change.
     """
     start, found = state.solution.array.copy(), ([], [])
     y, f = np.empty_like(start), np.empty_like(start)
     for at, change in directions:
         column = np.zeros((2, start.size))
-        for multiple, weight in enumerate(CENTRAL[order], 1):
-            for sign in (1, -1):
-                y[:] = start
-                y[at] += sign * multiple * change
-                state.right_hand_side(y, f)
-                state.project(y)
-                column += sign * weight * np.array([f, y])
-        for known, of in zip(found, column):
-            known.append((rows := np.flatnonzero(of), of[rows]))
-    made = []
-    for rows, values in (zip(*known) for known in found):
-        ends = np.cumsum([0, *map(len, rows)])
-        parts = np.concatenate(values), np.concatenate(rows), ends
-        made.append(sparse.csc_matrix(parts, (start.size, len(rows))))
-    return made
+        for multiple, weight in CENTRAL:
+            y[:] = start
+            y[at] += multiple * change
+            state.right_hand_side(y, f)
+            state.project(y)
+            column += weight * np.array([f, y])
+        for columns, of in zip(found, column):
+            columns.append(sparse.csc_matrix(of[:, None]))
+    return [sparse.hstack(columns, "csc") for columns in found]
 
 
 def step_limit(spectrum: Complex) -> float:
@@ -141,17 +141,13 @@ def step_limit(spectrum: Complex) -> float:
     return float(brentq(excess, 0.0, FARTHEST)) / radius
 
 
-def radial_modes(state: Any, n: int = 0) -> Complex:
+def radial_modes(problem: Any, opt: Mapping[str, Any], n: int = 0) -> Complex:
     """Angular frequencies omega [1/s] of the modes of angular number n of rings at rest around the
     origin, periodic along axis 1, or of shells in one dimension (n = 0), that swing, as
     exp(-i omega t), and are not rough, the slowest first. InputError where the grid has not enough
     columns for n.
     """
-    columns = state.layout.shapes[0][1] if state.problem.dimension > 1 else 1
-    if 2 * n >= columns:
-        known = f"-ring_around {columns} knows angular numbers from 0 to {(columns - 1) // 2}"
-        raise InputError(f"-ring_angular {n}: {known}")
-    values, blocks = column_modes(state, 1, n)
+    values, blocks = column_modes(problem, opt, 1, n)
     steps = [np.diff(block, axis=0) for block in blocks]
     squares = [sum((np.abs(a) ** 2).sum(axis=(0, 1)) for a in of) for of in (steps, blocks)]
     smooth = squares[0] < ROUGH * squares[1]
@@ -159,30 +155,36 @@ def radial_modes(state: Any, n: int = 0) -> Complex:
     return omega[np.argsort(omega.real)]
 
 
-def column_modes(state: Any, axis: int, n: int) -> tuple[Complex, list[Complex]]:
+def column_modes(
+    problem: Any, opt: Mapping[str, Any], axis: int, n: int
+) -> tuple[Complex, list[Complex]]:
     """Eigenvalues [1/s] of what is proportional to exp(-i n phi), and of each block the amplitudes
     of its unknowns over their scales, (rows, unknowns, eigenvalues).
 
     axis: of the blocks, along which all columns are alike: 0 for flat layers, 1 for rings.
+    InputError where there are not enough columns for n.
     """
-    state.set_initial()
-    d, layout, sizes = state.problem.dimension, state.layout, scales(state)
-    columns = layout.shapes[0][axis] if d > 1 else 1
-    parts, vectors = [], []
-    for k, layer in enumerate(state.problem.layers):
-        nodes = layout.owned(k, np.arange(len(sizes)))
-        nodes = nodes.reshape(*layout.shapes[k][::-1], layout.dofs[k])
-        parts.append(nodes[None] if d == 1 else nodes if axis else nodes.swapaxes(0, 1))
-        begins = (1, 0, 1, 0, 0) if layer.kind == "solid" else (0, 0, 1, 0, 0)  # in two dimensions
-        vectors += begins * parts[-1].shape[1]
-    shapes = [part.shape[1:] for part in parts]
-    # of each column and unknown its number in the solution; all columns have the same sizes
-    at = np.concatenate([part.reshape(columns, -1) for part in parts], axis=1)
-    sizes, first = sizes[at[0]], np.flatnonzero(vectors)
+    d, parts, vectors = problem.dimension, [], []
+    with alone(problem, opt) as state:
+        layout, sizes = state.layout, scales(state)
+        columns = layout.shapes[0][axis] if d > 1 else 1
+        if 2 * n >= columns:
+            known = f"-ring_around {columns} knows angular numbers from 0 to {(columns - 1) // 2}"
+            raise InputError(f"-ring_angular {n}: {known}")
+        for k, layer in enumerate(problem.layers):
+            nodes = layout.owned(k, np.arange(len(sizes)))
+            nodes = nodes.reshape(*layout.shapes[k][::-1], layout.dofs[k])
+            parts.append(nodes[None] if d == 1 else nodes if axis else nodes.swapaxes(0, 1))
+            begins = (1, 0, 1, 0, 0) if layer.kind == "solid" else (0, 0, 1, 0, 0)  # d = 2
+            vectors += begins * parts[-1].shape[1]
+        # of each column and unknown its number in the solution; all columns have the same sizes
+        at = np.concatenate([part.reshape(columns, -1) for part in parts], axis=1)
+        sizes = sizes[at[0]]
+        found = derivatives(state, zip(at[0], NUDGE * sizes))
+    matrices, first = [], np.flatnonzero(vectors)
     phi = 2.0 * np.pi * np.arange(columns)[:, None, None] / columns
-    matrices = []
-    for found in derivatives(state, zip(at[0], NUDGE * sizes)):
-        of = found.tocsr()[at.ravel()].toarray().reshape(*at.shape, -1)
+    for matrix in found:
+        of = matrix.tocsr()[at.ravel()].toarray().reshape(*at.shape, -1)
         if d > 1 and axis == 1:  # vectors along radius and angle
             a, b = of[:, first], of[:, first + 1]
             of[:, first] = np.cos(phi) * a + np.sin(phi) * b
@@ -191,26 +193,26 @@ def column_modes(state: Any, axis: int, n: int) -> tuple[Complex, list[Complex]]
     rates, projection = matrices[0], matrices[1].real
     basis = orth(projection, rcond=1e-9)
     values, vectors = np.linalg.eig(basis.T @ (projection @ rates) @ basis)
+    shapes = [part.shape[1:] for part in parts]
     ends = np.cumsum([rows * dofs for rows, dofs in shapes])[:-1]
     amplitudes = np.split(basis @ vectors, ends)
     return values, [of.reshape(*shape, -1) for of, shape in zip(amplitudes, shapes)]
 
 
-def modes_near(state: Any, s: complex, count: int = 1) -> Complex:
+def modes_near(problem: Any, opt: Mapping[str, Any], s: complex, count: int = 1) -> Complex:
     """Eigenvalues [1/s] next to s != 0, but those of what is at rest and stays so: the largest of A
     (A - s)^-2, so many, or all but 2. InputError where the state is not steady or none are found.
 
     Two of A may be one of A (A - s)^-2, which gives mixtures of their vectors: those of A are found
     in the space of all vectors; of one more than is asked for, as the last may be such a mixture.
     """
-    state.set_initial()
-    n, y = state.layout.local_size - state.layout.auxiliary, state.solution.array.copy()
-    nudges = TINY * scales(state)[:n]
-    found = derivatives(state, enumerate(nudges), order=2)
+    with alone(problem, opt) as state:
+        n, f = state.layout.local_size - state.layout.auxiliary, np.empty_like(state.solution.array)
+        nudges = NUDGE * scales(state)[:n]
+        found = derivatives(state, enumerate(nudges))
+        state.right_hand_side(state.solution.array.copy(), f)
     rates, projection = (sparse.diags(1.0 / nudges) @ of[:n] for of in found)
-    f = np.empty_like(y)
-    state.right_hand_side(y, f)
-    if np.abs(TINY * f[:n] / nudges).max() > AT_REST * abs(rates).max():
+    if np.abs(NUDGE * f[:n] / nudges).max() > AT_REST * abs(rates).max():
         raise InputError("the blocks are not in a steady state at first")
     A = (projection @ rates).astype(complex).tocsc()
     try:

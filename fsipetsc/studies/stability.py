@@ -30,15 +30,14 @@ from fsipetsc.cases.common import constant, gas_of, line_at_rest, materials
 from fsipetsc.checks import Array
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.options import RUN, Option, defaults
+from fsipetsc.options import Option, defaults
 from fsipetsc.process.together import Comm
 from fsipetsc.scheme.plan import RATE
-from fsipetsc.studies.trials import Study
+from fsipetsc.studies.modes import NUDGE, alone, derivatives, step_limit
+from fsipetsc.studies.trials import USUAL, Study
 
 #: displacements of 1 that strain the solid by less, over h, are left out: 8/4 has one at its end
 UNSEEN = 1e-2
-#: step of the numerical differentiation, relative to the size of each variable
-STEP = 2.0**-7
 #: growth over the largest |lambda| that counts as round-off: of the energy, of a mode (an
 #: eigenvalue of a matrix that is not normal is less certain)
 ENERGY_TOLERANCE, MODE_TOLERANCE = 1e-10, 1e-9
@@ -57,15 +56,14 @@ OPTIONS = (
     Option("fsi_orders", "ints", ORDERS, "", "interior orders", ORDERS),
     Option("fsi_h", float, 0.03125, "m", "grid spacing", **_ABOVE),
     Option("stability_points", int, 32, "", "points of each of the two layers", **_ABOVE),
-    Option("fsi_output", str, "stability", "", "base name of the table NAME.csv"),
-    *(option for option in RUN if option.name == "fsi_quiet"),
+    *USUAL,
 )  # fmt: skip
 
 
 def stability(arguments: list[str], comm: Comm) -> None:
     """Run the command. Collective, rank 0 computes; InputError; ComputationError if a promise is
     not kept."""
-    study = Study(comm, arguments, OPTIONS)
+    study = Study(comm, arguments, OPTIONS, "stability")
     opt, coupling = study.opt, study.opt["fsi_coupling"]
     grid = opt["stability_points"], opt["fsi_h"]
     G = 1.0 / opt["solid_alpha"] if opt["solid_eos"] == "ideal" else 0.0
@@ -114,8 +112,6 @@ def measure(
     or 0. InputError where the coupling has no such second derivatives. n: at least
     ``min_points`` of the operators, and 4.
     """
-    from fsipetsc.studies.modes import step_limit
-
     op, conservative = OPERATORS[order], coupling == "conservative"
     N = n + 3 * op.rows  # outer ends do not reach what is disturbed
     p_s, capacity = round(float(solid.pressure(1.0, 1.0)), 12), solid.alpha * solid.m0
@@ -155,38 +151,35 @@ def derivatives_near(
     """
     from mpi4py import MPI
 
-    from fsipetsc.stepping.run import build_problem, make_state
-    from fsipetsc.studies.modes import derivatives
+    from fsipetsc.stepping.run import build_problem
 
     end = (N - 1) * own["fsi_h"]
     left = SolidLayer("solid", solid, (-end, 0.0), line_at_rest(p_s - 1.0, 1.0))
     layers = left, FluidLayer("gas", gas, (0.0, end), constant(1.0, 0.0, 1.0))
     case = case_of(Problem(layers, clamped(), Wall(end), units="none"), **own)
     opt = defaults(case)
-    # from rho, rho u, rho (cv T + u^2/2) to rho, u, T; from u, sigma, T, x to u, e, T
-    of_gas = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 1.0 / gas.cv]])
-    to_gas = np.linalg.inv(of_gas)
-    of_solid, of_rates = np.eye(3, 4), np.eye(3, 4)
-    of_solid[1, 1], of_rates[1, 1] = 1.0 / (solid.K + p_s), 1.0 / solid.K
-    with make_state(build_problem(case, opt, MPI.COMM_SELF), opt, MPI.COMM_SELF) as run:
-        run.set_initial()
+    with alone(build_problem(case, opt, MPI.COMM_SELF), opt) as run:
         run.finish()
         step, start = opt["fsi_cfl"] / float(run.results[RATE]), run.solution.array
-        numbers = np.arange(start.size)
+        numbers, J = np.arange(start.size), 1.0
         if opt["fsi_coupling"] == "conservative":
             in_gas, in_solid = run.layout.owned(1, numbers), run.layout.owned(0, numbers)
-            # from J, J rho, J rho u, …; from x - X, u, alpha T + u^2/2 to u, x - X, T
             J = start[in_gas[0, 0]]
-            of_gas = np.column_stack([[-1.0, 0.0, 0.0], of_gas]) / J
-            to_gas = J * np.vstack([np.zeros(3), to_gas])
+            # from x - X, u, alpha T + u^2/2 to u, x - X, T
             of_solid = of_rates = np.diag([1.0, 1.0, 1.0 / solid.alpha])[[1, 0, 2]]
         else:
             in_gas, in_solid = run.layers[1].of(numbers).T[:N], run.layers[0].of(numbers).T
-        to = *to_gas.T, *np.linalg.pinv(of_solid).T
-        near = [in_gas[:n]] * 3 + [in_solid[N - n :]] * 3
+            # from u, sigma, T, x to u, e, T
+            of_solid, of_rates = np.eye(3, 4), np.eye(3, 4)
+            of_solid[1, 1], of_rates[1, 1] = 1.0 / (solid.K + p_s), 1.0 / solid.K
+        # from J, unless it is 1 always, J rho, J rho u, J rho (cv T + u^2/2) to rho, u, T
+        of_gas = np.array([[-1, 1, 0, 0], [0, 0, 1, 0], [0, -1, 0, 1 / gas.cv]]) / J
+        of_gas = of_gas[:, -in_gas.shape[1] :]
+        to = *np.linalg.inv(of_gas[:, -3:]).T, *np.linalg.pinv(of_solid).T
+        near = [in_gas[:n, -3:]] * 3 + [in_solid[N - n :]] * 3
         each = zip(near, sizes, to)
-        changes = ((at, STEP * size * change) for points, size, change in each for at in points)
-        rates, kept = (of.toarray() / STEP for of in derivatives(run, changes))
+        changes = ((at, NUDGE * size * change) for points, size, change in each for at in points)
+        rates, kept = (of.toarray() / NUDGE for of in derivatives(run, changes))
     found = []
     for of, matrix in ((of_rates, rates), (of_solid, kept)):
         pairs = (of_gas, in_gas), (of, in_solid)

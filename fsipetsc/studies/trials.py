@@ -18,22 +18,27 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.cases import case_of, load_case
+from fsipetsc.api import run
 from fsipetsc.checks import Array
-from fsipetsc.errors import ComputationError, InputError, RanksError
+from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.options import defaults, read_options, read_table
+from fsipetsc.options import RUN, Option, read_options, read_table
 from fsipetsc.output import drawing
 from fsipetsc.output.file_layout import check_folder, writing
 from fsipetsc.output.info import table
-from fsipetsc.output.reader import Run, open_run
+from fsipetsc.output.reader import Run
 from fsipetsc.process.launch import start_petsc
-from fsipetsc.process.together import Comm, done_asleep, together
+from fsipetsc.process.together import Comm, together
 
 #: how far an observed order may be below what is expected
 SLACK = 0.4
 #: relative errors that may be round-off
 ROUND_OFF = 1e-12
+#: options of commands that take no case
+USUAL = (
+    Option("fsi_output", str, None, "", "name of the table NAME.csv; default: the command's name"),
+    *(option for option in RUN if option.name == "fsi_quiet"),
+)
 #: columns of a table of rows, and of their CSV file
 HEAD = ("quantity", "order", "grid spacings", "errors", "observed orders", "expected", "verdict")
 COLUMNS = "case quantity order h ranks value reference source error rate verdict".split()
@@ -45,7 +50,8 @@ class Row:
 
     What theory, or somebody else, says of it, or None: rate, the order of the errors between the
     two finest grids; most, the largest error on the finest grid. pairs: of each grid the number
-    that is compared and its reference, as text. Errors may be differences from the next grid.
+    that is compared and its reference, as text, if any is. Errors may be differences from the next
+    grid.
     """
 
     quantity: str
@@ -87,34 +93,30 @@ class Row:
         return self.quantity, str(self.order), *lists, self.expected, self.verdict
 
 
-def picture(title: str, rows: Sequence[Row], path: Path, by_order: bool = True) -> None:
-    """Errors over grid spacings: a panel for each order, a line for each quantity, or the other way
-    round; nothing without matplotlib or rows. FileError.
+def picture(title: str, rows: Sequence[Row], path: Path) -> None:
+    """Errors over grid spacings: a panel for each quantity, a line for each order; nothing without
+    matplotlib or rows. FileError.
     """
     if not rows or find_spec("matplotlib") is None:
         return
     import matplotlib
     from matplotlib.figure import Figure
 
-    panels = dict[str, dict[str, Row]]()
-    for row in rows:
-        names = OPERATORS[row.order].name, row.quantity
-        panel, line = names if by_order else names[::-1]
-        panels.setdefault(panel, {})[line] = row
+    names = [*dict.fromkeys(row.quantity for row in rows)]
     with matplotlib.rc_context({**drawing.STYLE, "savefig.dpi": 80}):
-        columns, lines = min(3, len(panels)), -(-len(panels) // 3)
-        figure = Figure(figsize=(2.0 + 5.0 * columns, 4.2 * lines), layout="constrained")
-        places = drawing.panels(figure, len(panels), columns)
-        for axes, (panel, some) in zip(places, panels.items(), strict=True):
-            for line, row in some.items():
+        size = 5.0 * min(3, len(names)), 4.2 * -(-len(names) // 3)
+        figure = Figure(figsize=size, layout="constrained")
+        for axes, name in zip(drawing.panels(figure, len(names), 3), names):
+            some = [row for row in rows if row.quantity == name]
+            for row in some:
+                label = OPERATORS[row.order].name
                 # a logarithmic axis has no place for 0
-                errors = np.where(np.array(row.errors) > 0.0, row.errors, np.nan)
-                axes.loglog(row.spacings, errors, "o-", markersize=4, label=line)
-            axes.set(title=panel, xlabel="grid spacing h", ylabel="errors")
-            spacings = sorted({h for row in some.values() for h in row.spacings})
+                axes.loglog(row.spacings, row.errors, "o-", nonpositive="mask", label=label)
+            axes.set(title=name, xlabel="grid spacing h", ylabel="errors")
+            spacings = sorted({h for row in some for h in row.spacings})
             axes.set_xticks([], minor=True)
             axes.set_xticks(spacings, [f"{h:.4g}" for h in spacings], fontsize=8)
-            axes.legend(fontsize="x-small", loc="upper left", bbox_to_anchor=(1.0, 1.0))
+            axes.legend()
         drawing.set_title(figure, title)
         drawing.save(figure, path)
 
@@ -131,32 +133,18 @@ class Trial:
         self.paths = (str(folder / f"{order}-{h!r}-{k}.h5") for k in count())
 
     def solve(self, what: Any, end: float | None = None, **options: Any) -> Run:
-        """Run a case, or a problem, to its end or to another time, and return its result. Too many
-        ranks: the first of them run it. Collective; FsiError; ComputationError and InputError name
-        the grid.
+        """Run a case, or a problem, to its end or to another time, and return its result.
+        Collective; FsiError; ComputationError and InputError name the grid.
         """
-        from fsipetsc.stepping.run import REMAINS, run_case
+        from fsipetsc.stepping.run import REMAINS
 
-        case = load_case(what) if isinstance(what, str) else what
-        case = case if hasattr(case, "build") else case_of(case)
-        opt = {**defaults(case), "fsi_quiet": True}
-        if end is not None:
-            opt |= {"ts_max_time": end, "fsi_output_dt": end}
-        opt |= {"fsi_h": self.h, **options, "fsi_order": self.order}
-        opt["fsi_output"] = next(self.paths)
-        for size in range(self.comm.size, 0, -1):
-            here = self.comm.rank < size
-            ranks = self.comm.Split(int(not here), self.comm.rank)
-            action = partial(run_case, case, opt, ranks) if here else lambda: None
-            try:
-                together(self.comm, action, asleep=True)
-                break
-            except (ComputationError, InputError) as error:
-                if size == 1 or not isinstance(error, RanksError):
-                    told = str(error).partition(REMAINS)[0]  # the rest is removed with the others
-                    words = f"order {self.order}, h = {self.h:g}: {told}"
-                    raise type(error)(words) from None
-        return together(self.comm, partial(open_run, opt["fsi_output"]))
+        ending = {} if end is None else {"ts_max_time": end, "fsi_output_dt": end}
+        own = {"fsi_order": self.order, "fsi_output": next(self.paths)}
+        try:
+            return run(what, comm=self.comm, **{"fsi_h": self.h, **ending, **options, **own})
+        except (ComputationError, InputError) as error:
+            told = str(error).partition(REMAINS)[0]  # the rest is removed with the others
+            raise type(error)(f"order {self.order}, h = {self.h:g}: {told}") from None
 
     @property
     def closures(self) -> int:
@@ -173,28 +161,25 @@ class Trial:
         return min(self.closures, smoothness * self.order / (self.order + 1))
 
     def check(
-        self, quantity: str, errors: Any, order: Any = None, error: Any = None, power: int = 0
-    ) -> None:
-        """Note a norm of errors, the largest or that of the mean of |error|^power, and the order
-        and the error that are expected.
+        self, quantity: str, errors: Any, rate: Any = None, most: Any = None, power: int = 0
+    ) -> Row:
+        """Note a norm of errors, the largest or that of the mean of |error|^power, and what is
+        expected of it, as ``Row`` has it.
         """
         size = np.abs(errors)
         norm = float(np.mean(size**power) ** (1 / power) if power else size.max())
-        self._add(quantity, norm, order, error)
+        row = self.rows.setdefault(quantity, Row(quantity, self.order, rate))
+        row.spacings.append(self.h)
+        row.errors.append(norm)
+        row.most = most
+        return row
 
     def compare(
-        self, quantity: str, value: Any, reference: Any, order: Any = None, error: Any = None
+        self, quantity: str, value: Any, reference: Any, rate: Any = None, most: Any = None
     ) -> None:
         """Note a number, its relative distance from a reference, and what is expected of this."""
-        apart = float(abs(value - reference) / abs(reference))
-        self._add(quantity, apart, order, error, f"{value:.12g}", f"{reference:.12g}")
-
-    def _add(self, quantity: str, error: float, rate: Any, most: Any, *pair: str) -> None:
-        row = self.rows.setdefault(quantity, Row(quantity, self.order))
-        row.spacings.append(self.h)
-        row.errors.append(error)
-        row.pairs.append(pair or ("", ""))
-        row.rate, row.most = rate, most
+        row = self.check(quantity, (value - reference) / abs(reference), rate, most)
+        row.pairs.append((f"{value:.12g}", f"{reference:.12g}"))
 
 
 def reference(name: str) -> dict[str, Array]:
@@ -214,7 +199,7 @@ class Study:
     """
 
     def __init__(
-        self, comm: Comm, words: Sequence[str], options: Any, name: str = "", case: Any = None
+        self, comm: Comm, words: Sequence[str], options: Any, name: str, case: Any = None
     ) -> None:
         self.comm, self.given = comm, start_petsc(words, comm)
         if case is None:
@@ -223,7 +208,7 @@ class Study:
             self.opt = read_options(case, self.given, options)
             if self.opt["fsi_restart"] is not None:
                 raise InputError("-fsi_restart: this command begins with the data of the case")
-        target = self.opt["fsi_output"] if case is None or "fsi_output" in self.given else name
+        target = self.given.get("fsi_output", name)
         self.path = Path(re.sub(r"\.(csv|h5|png)$", "", target) + ".csv")
         check_folder(self.path)
         self.lines: list[list[object]] = []  # of the table, so far
@@ -264,7 +249,7 @@ class Study:
                 for h in spacings:
                     measure(Trial(self.comm, folder, order, h, rows))
                 yield [*rows.values()]
-            done_asleep(self.comm.Ibarrier())  # other ranks may still read
+            self.comm.Barrier()  # other ranks may still read
 
     def add(
         self, case: str, source: str, rows: Sequence[Row], costs: Mapping[str, Sequence[Any]] = {}
@@ -273,15 +258,16 @@ class Study:
         for row in rows:
             about, rates = (case, row.quantity, row.order), ("", *row.observed)
             for i, (h, error) in enumerate(zip(row.spacings, row.errors)):
-                line = *about, h, self.comm.size, *row.pairs[i], source, error, rates[i]
+                pair = row.pairs[i] if row.pairs else ("", "")
+                line = *about, h, self.comm.size, *pair, source, error, rates[i]
                 self.lines.append([*line, row.verdict, *(of[i] for of in costs.values())])
         self.save([*COLUMNS, *costs], self.lines)
         if rows:
             self.say(table([HEAD, *(row.cells for row in rows)], str.rjust))
 
-    def on_first(self, action: Callable[[], Any]) -> Any:
-        """action() on rank 0, while the others sleep: what it gives there, None elsewhere. FsiError
-        of rank 0 on all.
+    def on_first(self, action: Callable[[], Any], ranks: int = 1) -> Any:
+        """action() on the first ranks, while the others sleep: what it gives there, None elsewhere.
+        FsiError of the first ranks on all.
         """
-        here = self.comm.rank == 0
+        here = self.comm.rank < ranks
         return together(self.comm, action if here else lambda: None, asleep=True)
