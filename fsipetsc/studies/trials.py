@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.api import run
+from fsipetsc import run
 from fsipetsc.checks import Array
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.operators.sbp import OPERATORS
