@@ -116,12 +116,8 @@ class GasEnd:
 
     def __init__(self, layer):
         self.gas, self.layer, side = layer.material, layer, layer.side
-        self.n, self.data = 2.0 * side - 1.0, layer.given[side]
-        self.degree, self.delta, self.points = (
-            degree_of(layer.ends[side], layer.op.p),
-            delta_of(layer),
-            [],
-        )
+        self.n, self.data, self.points = 2.0 * side - 1.0, layer.given[side], []
+        self.degree, self.delta = degree_of(layer.ends[side], layer.op.p), delta_of(layer)
         # who owns the next point to come in has these in its halo; no layer has fewer
         for k in range(min(NODES, halo_of_rates(layer.op))):
             rho, m, e = (layer.local[c, layer.ghost + (1 - 2 * side) * k] for c in range(3))
@@ -266,14 +262,9 @@ class OpenEnd(GasEnd):
 OF_GAS = {Wall: WallEnd, Open: OpenEnd, Dirichlet: DirichletEnd}
 
 
-def end_of(layer):
-    """The class of the outer end of a gas."""
-    return OF_GAS[type(layer.ends[layer.side])]
-
-
 def fill_ghost(layer):
     """Fill the ghost point. All ranks do, those that need it from points in their halos."""
-    end_of(layer)(layer).fill()
+    layer.end(layer).fill()
 
 
 def move_boundary(layer):
@@ -296,7 +287,7 @@ def move_boundary(layer):
                 layer.steps.results[OFF_GRID] = 1.0 + number(layer.number)
             stop(exhausted)
             active[side] = active[side] + outwards
-            end_of(layer)(layer).fill(new=True)
+            layer.end(layer).fill(new=True)
         with when((layer.cells > target) & (target >= layer.least - 1)):
             active[side] = active[1 - side] + outwards * target
             fill_ghost(layer)

@@ -20,7 +20,7 @@ from fsipetsc.kernels.arrays import zeros
 from fsipetsc.operators.sbp import SBPOperator, row_length
 from fsipetsc.paper.ends import OF_GAS, degree_of
 from fsipetsc.paper.rates import ROWS, Gas
-from fsipetsc.paper.stencils import closure_of, halo_of_rates
+from fsipetsc.paper.stencils import halo_of_rates
 from fsipetsc.parallel.block_shares import Extent, Share, share_out
 from fsipetsc.parallel.exchange import RowExchange
 from fsipetsc.problem import Problem, check_place
@@ -92,21 +92,19 @@ class Layer(SimpleNamespace):
     is at others than these and their halos is never used.
 
     layer: as the case has it, which is number ``number``. ends: what stands at the left and the
-    right end, None at an interface; end_x: where that of a gas stands; given: (2, 5), data of both
-    (fsipetsc.boundaries). material: as formulas; gamma of a gas. closure: of op, as numbers.
-    narrow: with narrow second derivatives. least: active points that it needs. share: of all ranks.
-    at, begin: of its numbers in the memory of all layers, and in this rank's part of a solution.
+    right end, None at an interface; end, end_x: formulas and place of that of a gas; given: (2, 5),
+    data of both (fsipetsc.boundaries). material: as formulas; gamma of a gas. closure: of op, as
+    numbers: of the points near an end the norm, then the rows of h D. narrow: with narrow second
+    derivatives. least: active points that it needs. share: of all ranks. at, begin: of its numbers
+    in the memory of all layers, and in this rank's part of a solution.
 
     active: the first and the last active point: in a gas interface point and ghost point. frame:
     velocity of the grid, that of the interface point, and x of the interface. local, y, forcing:
     (unknowns, points) the stage, the solution before the step, and what is added to rates, if
-    anything; runs: see fsipetsc.scheme.plan.advance. steps: of fsipetsc.paper.rates. X: of the own
-    points.
-    """
+    anything; runs: see fsipetsc.scheme.plan.advance. steps: of fsipetsc.paper.rates.
 
-    @property
-    def is_gas(self) -> bool:
-        return self.layer.kind == "fluid"
+    Of the own points: numbers, X, and owned, (unknowns, points), a view of the stage.
+    """
 
     @property
     def side(self) -> int:
@@ -133,24 +131,11 @@ class Layer(SimpleNamespace):
         dof, size = self.local.shape
         return (self.at + size * np.arange(dof)[:, None] + points).ravel()
 
-    @property
-    def places_of_frame(self) -> slice:
-        return slice(2 * self.number, 2 * self.number + 2)
-
     # this rank's own points
 
-    @property
-    def owned(self) -> Array:
-        """(unknowns, points), a view."""
-        return self.local[:, slice(*self.own)]
-
     def of(self, array: Array) -> Array:
-        """The same in this rank's part of a solution."""
+        """What is ``owned``, in this rank's part of a solution."""
         return array[self.begin :][: self.owned.size].reshape(self.owned.shape)
-
-    @property
-    def numbers(self) -> Array:
-        return np.arange(*self.own)
 
     @property
     def mine(self) -> slice:
@@ -225,6 +210,7 @@ def layers_of(
     solution before the step and of the sum of its stages; runs of all layers. InputError.
     """
     halo, h = halo_of_rates(op), opt["fsi_h"]
+    closure = np.column_stack([op.norm, op.closure]).astype(float)
     grids = [grid_of(problem, k, op, h) for k in range(len(problem.layers))]
     least = max(halo, op.rows + 1)
     of_layers = zip(problem.layers, grids, strict=True)
@@ -239,15 +225,21 @@ def layers_of(
         (size, lo, hi, needed), material = grids[k], layer.material
         cuts = (0, *(cut + lo for cut in share.cuts[0][1:-1]), size)
         v = Layer(layer=layer, number=k, h=h, share=Share(share.ranks, (cuts,)), steps=steps)
-        v.op, v.closure, v.least = op, closure_of(op), needed
-        v.narrow, v.ends = opt["fsi_viscous"] == "narrow", problem.ends(k)
-        v.end_x, v.given = getattr(v.ends[v.side], "x", 0.0), np.zeros((2, 5))
+        v.is_gas, v.op, v.closure, v.least = layer.kind == "fluid", op, closure, needed
+        v.narrow, v.ends, v.given = (
+            opt["fsi_viscous"] == "narrow",
+            problem.ends(k),
+            np.zeros((2, 5)),
+        )
+        end = v.ends[v.side]
+        v.end, v.end_x = OF_GAS.get(type(end)), getattr(end, "x", 0.0)
         v.material = Gas(*material.equations(1)) if v.is_gas else material.elastic
         v.gamma = getattr(material, "gamma", 0.0)
         v.own = v.share.part(comm.rank)[0] if comm.rank in share.ranks else (0, 0)
         v.at, v.begin, v.active = at[k], begin, np.array([lo, hi])
-        v.frame = planes[0, v.places_of_frame]
+        v.frame = planes[0, 2 * k : 2 * k + 2]
         v.local, v.y = (of[at[k] : at[k + 1]].reshape(shape) for of in planes[:2])
+        v.numbers, v.owned = np.arange(*v.own), v.local[:, slice(*v.own)]
         v.runs = runs[sum(dof for dof, _ in shapes[:k]) :][: len(v.local)]
         v.forcing = np.zeros(shape) if layer.forcing is not None else None
         v.scratch = np.zeros((ROWS, max(size + halo, COLUMNS)))
@@ -266,14 +258,14 @@ def exchanges_of(
     """
     owners, (rows, halos) = np.zeros(memory.size, int), np.zeros((2, comm.size, memory.size), bool)
     for layer in layers:
-        share, halo = layer.share, halo_of_rates(layer.op)
+        share, halo, k = layer.share, halo_of_rates(layer.op), 2 * layer.number
         points = np.arange(layer.local.shape[1])
         owners[layer.places(points)] = np.tile(share.owners(points), len(layer.local))
-        owners[layer.places_of_frame] = share.ranks[layer.side - 1]
+        owners[k : k + 2] = share.ranks[layer.side - 1]
         for rank in share.ranks:
             ((begin, end),) = share.part(rank)
             halos[rank, layer.places(points[max(begin - halo, 0) : end + halo])] = True
-            halos[rank, layer.places_of_frame] = layer.is_gas
+            halos[rank, k : k + 2] = layer.is_gas
     for one in interfaces:
         rows[np.ix_(one.ranks, one.places)] = True
     of_tags = enumerate([rows, halos])

@@ -30,7 +30,7 @@ import numpy as np
 from fsipetsc.equations import gas
 from fsipetsc.kernels.loops import each, number, pick, variable, when
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
-from fsipetsc.paper.ends import delta_of, distance, end_of, fill_ghost, move_boundary
+from fsipetsc.paper.ends import delta_of, distance, fill_ghost, move_boundary
 from fsipetsc.paper.stencils import STIFFNESS, add_remainder, derivatives, near_ends
 from fsipetsc.scheme.monitor import rate_of, survey
 from fsipetsc.scheme.plan import BAD, OFF_GRID, RATE, SAID_STOP, STOP
@@ -118,7 +118,7 @@ def fluxes(gas, s, unknowns, u, T, u_X, T_X):
 
 def gas_rates(layer):
     """The rates of (4.20), in the place of the unknowns."""
-    op, gas, end, per_h, s = layer.op, layer.material, end_of(layer), 1.0 / layer.h, layer.frame[0]
+    op, gas, end, per_h, s = layer.op, layer.material, layer.end, 1.0 / layer.h, layer.frame[0]
     w, added, span = layer.scratch, added_to_rates(layer), layer.span
     (force,), (rho, m, e) = gas.force, (layer.local[c] for c in range(3))
     u, T, u_X, T_X, f, g, h = (w[c] for c in range(7))

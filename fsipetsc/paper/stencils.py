@@ -65,11 +65,6 @@ def halo_of_rates(op: SBPOperator) -> int:
     return max(2 * op.reach, 6)
 
 
-def closure_of(op: SBPOperator) -> np.ndarray:
-    """(rows, 1 + columns), of the points near an end: the norm, then the rows of h D."""
-    return np.array([[float(v) for v in (one, *row)] for one, row in zip(op.norm, op.closure)])
-
-
 def near_ends(op: SBPOperator, span: Any) -> Iterator[tuple[Any, Any, Any, int]]:
     """Yield (r, i, end, step) for each point i of a span that is number r from an end, A or B, from
     which ``step`` leads inwards.
