@@ -93,7 +93,7 @@ def test_a_file_that_cannot_be_gone_on_from_ends_all(stopped, tmp_path):
 
 
 def test_what_cannot_change_is_named(stopped, tmp_path):
-    for words in ("-fsi_order 6", "-fsi_h 0.025", "-fsi_mapping stretched", "-rod_wall 0.6"):
+    for words in ("-fsi_order 6", "-fsi_h 0.025", "-fsi_viscous narrow", "-rod_wall 0.6"):
         done = solve("rod", "-fsi_restart", stopped / NEWEST, *words.split(), cwd=tmp_path)
         message(done, 2, f"{words}: it was ", "cannot change at a restart")
     done = solve("pulse", "-fsi_restart", stopped / NEWEST, cwd=tmp_path)

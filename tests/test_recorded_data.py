@@ -14,7 +14,7 @@ import fsipetsc
 from fsipetsc import Fluid, FluidLayer, InputError, Problem, Wall
 from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.problem import blocks_of_line
-from fsipetsc.stepping.notes import asked_data
+from fsipetsc.stepping.notes import first_notes
 
 CASE = str(REPOSITORY / "tests" / "timed.py")
 USUAL = {option.name: option.default for option in timed.OPTIONS} | timed.DEFAULTS
@@ -101,7 +101,7 @@ def test_python_is_asked_for_other_functions(name):
     assert state.asks and why in state.not_recorded[0]
     state.set_initial()
     state.finish()
-    assert "in each stage" in asked_data(state)[0] and why in asked_data(state)[0]
+    assert "in each stage" in first_notes(state)[0] and why in first_notes(state)[0]
     complete(state, 0.3, state.y)
     found = state.particles.record
     assert found.data.place[found.facts.moves == 1, 0] == x(0.3)

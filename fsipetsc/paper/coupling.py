@@ -63,15 +63,11 @@ class Interface(SimpleNamespace):
         return 2 * self.gas.side - 1
 
     @property
-    def beta(self):
-        """beta_j, and n/h, of which d_j are the products."""
-        op = self.gas.op
-        return [float(v) for v in op.closure[0][: row_length(op)]], float(self.n) / self.gas.h
-
-    def weight(self, j):
-        """a_0/a_j."""
-        norm = self.gas.op.norm
-        return float(norm[0]) / (float(norm[j]) if j < len(norm) else 1.0)
+    def stencil(self):
+        """beta_j; n/h, of which and beta_j d_j are the products; a_0/a_j."""
+        op, per_h = self.gas.op, float(self.n) / self.gas.h
+        beta = [float(v) for v in op.closure[0][: row_length(op)]]
+        return beta, per_h, [float(op.norm[0]) / float(a) for a in (*op.norm, 1)]
 
     def gas_at(self, j):
         """(rho, u, T) in row j."""
@@ -130,14 +126,14 @@ def couple(of):
 
 def gradients(of):
     """(u_X, T_X) of the gas and (T_X, x_X) of the solid, and sum_j a_0/a_j d_j^2."""
-    (beta, d), u_X, Tf_X, Ts_X, x_X, squares = of.beta, 0.0, 0.0, 0.0, 0.0, 0.0
-    for j, beta_j in enumerate(beta):
+    (beta, d, weights), u_X, Tf_X, Ts_X, x_X, squares = of.stencil, 0.0, 0.0, 0.0, 0.0, 0.0
+    for j, (beta_j, weight) in enumerate(zip(beta, weights)):
         d_j, (_, u, T_f), (_, _, T_s, x) = d * beta_j, of.gas_at(j), of.solid_at(j)
         u_X += d_j * u
         Tf_X += d_j * T_f
         Ts_X -= d_j * T_s
         x_X -= d_j * x
-        squares += d_j * d_j * of.weight(j)
+        squares += d_j * d_j * weight
     return u_X, Tf_X, Ts_X, x_X, squares
 
 
@@ -149,7 +145,7 @@ def temperatures(of):
     temperature. The gas conducts with the kappa of its new temperature: where that depends on T,
     the temperatures are found again with it.
     """
-    (_, _, jump_T, jump_flux), (beta, d) = (of.jump[c] for c in range(4)), of.beta
+    (_, _, jump_T, jump_flux), (beta, d, _) = (of.jump[c] for c in range(4)), of.stencil
     gas, solid = of.gas.material, of.solid.material
     T_f, T_s = variable(of.gas_at(0)[2]), variable(of.solid_at(0)[2])
     rest_f = d * sum(beta[j] * of.gas_at(j)[2] for j in range(1, len(beta)))
@@ -202,7 +198,7 @@ def project(of):
 
     c = dp_s/dT, k_s = kappa_e/x_X, tau_f = T^/(rho^ cv), tau_s = T^/(alpha m0).
     """
-    gas, solid, (beta, d) = of.gas.material, of.solid.material, of.beta
+    gas, solid, (beta, d, weights) = of.gas.material, of.solid.material, of.stencil
     _, _, _, x_X, squares = gradients(of)
     # the state that the weights belong to
     (rho, _, T), (u_s, sigma, T_s, _) = of.gas_at(1), of.solid_at(0)
@@ -232,8 +228,8 @@ def project(of):
     l1, l2, l3, l4 = multipliers(S11, S12, S22, S23, S24, S33, S34, S44, r1, r2, r3, r4)
     sigma -= K * l2
     of.put_solid(0, u=u_s - l1 / solid.m0, sigma=sigma)
-    for j, beta_j in enumerate(beta):
-        d_j, w, here = d * beta_j, of.weight(j), 1.0 if j == 0 else 0.0
+    for j, (beta_j, w) in enumerate(zip(beta, weights)):
+        d_j, here = d * beta_j, 1.0 if j == 0 else 0.0
         (rho_j, u, T), T_j = of.gas_at(j), of.solid_at(j)[2]
         u += w * (here * l1 + mu * d_j * l2) / rho
         T += w * tau_f * (here * (l3 - p_T * l2) + kappa * d_j * l4)

@@ -31,14 +31,12 @@ KEPT = "steps", "rejected", "t", "wall_time", "initial", "reached", "saved_at"
 def saved_times(opt: Mapping[str, Any], unit: str = " s") -> list[float]:
     """The times [s] at which profiles are saved, up to the end of the run. InputError."""
     end, interval = opt["ts_max_time"], opt["fsi_output_dt"]
-    saved = {*(opt["fsi_output_times"] or ())}
-    if (last := max(saved, default=0.0)) > end:
+    saved = {end, *(opt["fsi_output_times"] or ())}
+    if (last := max(saved)) > end:
         beyond = f"{last:g}{unit} would not be reached, the run ends at -ts_max_time {end:g}{unit}"
         raise InputError(f"-fsi_output_times: {beyond}")
-    if interval is not None:
-        count = math.floor(end / interval * (1 + 1e-12))
-        saved.update(min(k * interval, end) for k in range(count + 1))
-    return sorted({*saved, end})
+    count = math.floor(end / interval * (1 + 1e-12)) if interval else 0
+    return sorted({*saved, *(min(k * interval, end) for k in range(1, count + 1))})
 
 
 class Integrator:

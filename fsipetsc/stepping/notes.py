@@ -44,31 +44,22 @@ NOTHING = 1e-12
 
 
 def first_notes(state: State) -> list[str]:
-    of_blocks = isinstance(state, BlockState)
-    return [
-        *state.problem.notes,
-        *(asked_data(state) + heat_that_stays(state) if of_blocks else ()),
-    ]
-
-
-def asked_data(state: BlockState) -> list[str]:
-    """Why Python is asked for data in each stage of a step."""
-    words = "Python is asked for data in each stage of a step, which takes longer"
-    return [f"{words}: {why}" for why in state.not_recorded[:1]]
-
-
-def heat_that_stays(state: BlockState) -> list[str]:
-    """Faces with a temperature whose gas or solid does not conduct heat."""
-    found = set()
+    """Those of the case; why Python is asked for data; faces with a temperature whose gas or solid
+    does not conduct heat.
+    """
+    if not isinstance(state, BlockState):
+        return [*state.problem.notes]
+    asked = "Python is asked for data in each stage of a step, which takes longer: "
+    stays = set()
     for (k, *_), met in state.problem.outer_faces.items():
         name, material = state.problem.blocks[k].name, state.problem.blocks[k].material
         conducts = material.kappa if material.kind == "fluid" else material.kappa_e
         if met.warms and not met.all_given and not conducts:
-            found.add(
+            stays.add(
                 f"{type(met).__name__} gives '{name}' a temperature, and it does not conduct heat: "
                 "only its nodes at the face have that temperature, so results depend on the grid"
             )
-    return sorted(found)
+    return [*state.problem.notes, *(asked + why for why in state.not_recorded[:1]), *sorted(stays)]
 
 
 def steep_waves(state: State, opt: Mapping[str, Any]) -> list[str]:

@@ -30,29 +30,23 @@ class Past(NamedTuple):
     header: dict[str, Any]
     arrays: dict[str, np.ndarray]
 
-    def check(self, now: Mapping[str, str], before: Mapping[str, str]) -> None:
-        """InputError for what must be as it was, and is not."""
+    def check(self, now: Mapping[str, str]) -> None:
+        """InputError for what must be as it was, and is not. Options may have come or gone."""
+        before = self.header["facts"]
         for name in {**now, **before}:
             a, b = (known.get(name, "not there") for known in (now, before))
-            if a != b:
+            if a != b and not (name.startswith("-") and "not there" in (a, b)):
                 raise InputError(
                     f"{name} {a}: it was {b} when {self.path} was written, and cannot change at a "
                     "restart; options that are left out are those of the checkpoint"
                 )
 
 
-def fixed(opt: Mapping[str, Any]) -> dict[str, str]:
-    """The options that must be the same at a restart, as text."""
-    return {
-        f"-{name}": str(list(of) if isinstance(of, tuple) else of)  # lists in a checkpoint
-        for name, of in opt.items()
-        if name not in FREE
-    }
-
-
-def facts(state: State) -> dict[str, str]:
-    """What else must be the same at a restart, in words -> as text."""
-    found = {"the record of a step": str(state.journal.dtype)}
+def facts(state: State, opt: Mapping[str, Any]) -> dict[str, str]:
+    """What must be the same at a restart, in words -> as text."""
+    lists = {name: list(of) if isinstance(of, tuple) else of for name, of in opt.items()}
+    found = {f"-{name}": str(of) for name, of in lists.items() if name not in FREE}
+    found["the record of a step"] = str(state.journal.dtype)
     for layer, shape in zip(state.problem.layers, state.shapes, strict=True):
         known = {"kind": layer.kind, "shape": shape, **vars(layer.material)}
         plain = {k: str(of) for k, of in known.items() if isinstance(of, (str, int, float, tuple))}

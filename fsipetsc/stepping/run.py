@@ -78,9 +78,6 @@ def run_given(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> dict[str, 
     past = restart.find_past(case, given, comm)
     inherited = past.header["options"] if past else {}
     options = read_options(case, given, inherited=inherited)
-    if past:
-        now, before = restart.fixed(options), restart.fixed(inherited)
-        past.check(now, now | {name: before[name] for name in now.keys() & before})
     run_case(case, options, comm, past)
     return options
 
@@ -94,7 +91,7 @@ def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | No
     quiet = comm.rank > 0 or options["fsi_quiet"]
     with make_state(problem, options, comm, (lambda text: None) if quiet else say) as state:
         if past is not None:
-            past.check(restart.facts(state), past.header["facts"])
+            past.check(restart.facts(state, options))
         state.set_initial(options["ts_max_time"])  # before there is a file
         run = Run(case.NAME, options, state, past)
         if options["fsi_check"]:
@@ -263,7 +260,7 @@ class Run(Integrator):
         header = {
             "case": self.name,
             "options": {k: v for k, v in self.opt.items() if k not in OF_A_RUN},
-            "facts": restart.facts(self.state),
+            "facts": restart.facts(self.state, self.opt),
             "run": self.writer.mark,
             "memory": self.memory(),
             "result": [self.writer.nframes, self.writer.rows],
