@@ -25,20 +25,16 @@ kernels are at the end.
 
 from functools import partial
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
-from fsipetsc.checks import Array
 from fsipetsc.equations.gas import NEAR
 from fsipetsc.equations.tensors import outer
 from fsipetsc.equations.vectors import add, along, mean, scale, sub
 from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel
 from fsipetsc.kernels.loops import each, when
-from fsipetsc.operators.sbp import Patch
-from fsipetsc.operators.slopes import Near, slope
-from fsipetsc.scheme.gas_terms import Form
+from fsipetsc.operators.slopes import slope
 from fsipetsc.scheme.sweep import Sweep, ends_of, in_order, order
 
 #: most nodes of a tile along the first axis, and most rows, for d = 1, 2, 3
@@ -47,7 +43,7 @@ TILES = ((232, 1), (136, 1), (72, 8))
 GAP = 16
 
 
-def _spans(S: Array, begin: int, end: int) -> Array:
+def _spans(S, begin, end):
     """Spans of the pairs along a row of which a node is one of begin … end - 1: (n, 3) distance,
     first lower node and first beyond. A few pairs of weight 0 are taken along where that saves a
     span.
@@ -73,16 +69,14 @@ class GasSweep(Sweep):
     (fsipetsc.scheme.gas_terms); else (0, d + 1).
     """
 
-    def __init__(self, gas: Any, d: int, kernels: Any, bands: Any, patch: Patch) -> None:
-        far, numbers = 1 + kernels.viscous, {"w": kernels.numbers, "high": kernels.sums}
-        if kernels.viscous:
-            numbers |= {"z": d + 1, "s": d * (d + 1)}
-        self.prepare(gas, d, kernels, bands, patch, TILES[d - 1], far, far, numbers)
+    def __init__(self, gas, d, kernels, bands, patch):
+        far = 1 + kernels.viscous
+        super().__init__(gas, d, kernels, bands, patch, TILES[d - 1], far, far)
         x, _, last = in_order(bands, d)
-        *others, (begin, _), (_, end) = self.ranges
-        self.steps = order(last.S, (*others, self.ranges[-2], (begin, end)))
+        *others, (begin, beyond), (_, end) = self.ranges
+        self.steps = order(last.S, (*others, (begin, beyond), (begin, end)))
         self.spans = _spans(x.S, patch.first[0], patch.first[0] + patch.own[0])
-        self.per_weight, self.low = 1.0 / x.weight, zeros((kernels.sums, self.width))
+        self.per_weight, self.low = 1.0 / x.weight, zeros((kernels.numbers["high"], self.width))
         raised = int(kernels.raises)
         self.potential = np.zeros(raised * int(np.prod(patch.ghosted)))
         self.supplied = np.zeros((raised * int(np.prod(patch.own)), d + 1))
@@ -165,14 +159,13 @@ class GasSweep(Sweep):
         self.store(x, n, y, z)
 
 
-def gas_kernels(
-    gas: Any, d: int, form: Form, viscous: bool, moves: bool, near: Near
-) -> SimpleNamespace:
+def gas_kernels(gas, d, form, viscous, moves, near):
     """All kernels of a gas in d dimensions; near: of nodes inside. far_pairs: None where the form
     does not tell pairs apart; fluxes: viscous ones of any nodes, and of those inside; raises: of
-    the form. numbers, sums: what a row has of a node, and what is summed of it.
+    the form.
     """
-    sums = d + 2 + d * form.raises
+    sums, of_node = d + 2 + d * form.raises, d + 5 + viscous * (1 + bool(gas.around))
+    rows = {"w": of_node, "high": sums + moves, "z": viscous * (d + 1), "s": viscous * d * (d + 1)}
     return SimpleNamespace(
         near=near,
         load=_load(gas, d, viscous, sums + moves),
@@ -184,12 +177,11 @@ def gas_kernels(
         fluxes=tuple(_viscous(gas, d, of) for of in ((0, near[1]), near) if viscous),
         viscous=viscous,
         raises=form.raises,
-        numbers=d + 5 + viscous * (1 + bool(gas.around)),
-        sums=sums + moves,
+        numbers=rows,
     )
 
 
-def _load(gas: Any, d: int, viscous: bool, sums: int) -> Kernel:
+def _load(gas, d, viscous, sums):
     says = "The primitive variables w of the nodes of a row, perhaps J and z; sums are 0."
     kernel = Kernel("gas_load", says)
     q, gas = kernel.read("q", PLANES, d + 3), kernel.parameters(gas)
@@ -202,7 +194,7 @@ def _load(gas: Any, d: int, viscous: bool, sums: int) -> Kernel:
     return kernel
 
 
-def _pair(gas: Any, d: int, form: Form, viscous: bool, moves: bool, near: bool) -> Kernel:
+def _pair(gas, d, form, viscous, moves, near):
     """The kernel of pairs of near nodes, which counts the other pairs, or the kernel of those. It
     adds what the lower node of a pair loses and the upper one gains, times the weight of the
     pair: that of the row, times that of the node. It is 0 of pairs that are not of the kernel's
@@ -240,7 +232,7 @@ def _pair(gas: Any, d: int, form: Form, viscous: bool, moves: bool, near: bool) 
     return kernel
 
 
-def _rates(gas: Any, d: int, sums: int, moves: bool, push: int) -> Kernel:
+def _rates(gas, d, sums, moves, push):
     """push: where w has what acts around an axis."""
     kernel = Kernel("gas_rates", "J_t, the rates of J rho, J rho u, J E, the force, of a row.")
     of_row, (of_node,) = kernel.number("of_row"), kernel.read("of_node", ROWS, 1)
@@ -256,7 +248,7 @@ def _rates(gas: Any, d: int, sums: int, moves: bool, push: int) -> Kernel:
     return kernel
 
 
-def _viscous(gas: Any, d: int, near: Near) -> Kernel:
+def _viscous(gas, d, near):
     says = "The viscous fluxes a^k . f_v of all axes k of a row's nodes."
     kernel = Kernel("gas_viscous" + "_inside" * (near[0] > 0), says)
     gas, w = kernel.parameters(gas), kernel.read("w", ROWS, d + 5)

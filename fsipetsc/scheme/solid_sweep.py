@@ -13,16 +13,14 @@ F, T and t^k of a node are found from displacements, and rates from them; betwee
 conduction. The kernels are at the end.
 """
 
-from collections.abc import Sequence
 from functools import partial
 from types import SimpleNamespace
-from typing import Any
 
 from fsipetsc.equations.tensors import add_unit, apply, column_sums, product, transpose
 from fsipetsc.equations.vectors import add, along, dot, scale, total
 from fsipetsc.kernels.kernel import OWNED, PLANES, ROWS, Kernel
-from fsipetsc.operators.sbp import OPERATORS, Patch
-from fsipetsc.operators.slopes import Near, slope
+from fsipetsc.operators.sbp import OPERATORS
+from fsipetsc.operators.slopes import slope
 from fsipetsc.scheme.sweep import Sweep, ends_of, in_order, order
 
 #: most nodes of a tile along the first axis, and most rows, for d = 1, 2, 3
@@ -35,11 +33,9 @@ class SolidSweep(Sweep):
     t^k, temperatures T and heats A^k . h of its nodes.
     """
 
-    def __init__(self, solid: Any, d: int, kernels: Any, bands: Any, patch: Patch) -> None:
+    def __init__(self, solid, d, kernels, bands, patch):
         reaches = 2 + len(kernels.conduct)
-        numbers = numbers_of(d) | {"strains": len(solid.unstrained((0.0,) * d))}
-        about = TILES[d - 1], reaches, reaches + 1, numbers
-        self.prepare(solid, d, kernels, bands, patch, *about)
+        super().__init__(solid, d, kernels, bands, patch, TILES[d - 1], reaches, reaches + 1)
         S = in_order(bands, d)[2].S
         self.steps = order(S, self.ranges)
         self.to_strains = order(S, (self.ranges[0], self.ranges[-1]))
@@ -70,7 +66,7 @@ class SolidSweep(Sweep):
         self.store(x, n, y, z)
 
 
-def solid_kernels(solid: Any, d: int, order: int, prestressed: bool) -> SimpleNamespace:
+def solid_kernels(solid, d, order, prestressed):
     """All kernels of a solid in d dimensions; order: of the operators. strains, pulls, rates:
     those of any nodes, and of those inside of a block. conduct: one, or none without conduction.
     """
@@ -86,29 +82,28 @@ def solid_kernels(solid: Any, d: int, order: int, prestressed: bool) -> SimpleNa
         conduct=(_conduct(solid, d, near),) * (solid.kappa > 0.0),
         ends=ends_of(2 * d + 1),
         dof=2 * d + 1,
+        numbers=numbers_of(d) | {"strains": len(solid.unstrained((0.0,) * d))},
     )
 
 
-def numbers_of(d: int) -> dict[str, int]:
+def numbers_of(d):
     """How many numbers a row has of each node, by name, without F."""
     return {"unknowns": 2 * d + 1, "tractions": d * d, "temperatures": 1, "heats": d}
 
 
-def _slopes(
-    kernel: Kernel, near: Near, f: str, first: Sequence[int], count: int, free: bool = False
-) -> Any:
+def _slopes(kernel, near, f, first, count, free=False):
     """D_k of so many planes of f for each axis k, which begin at its number of ``first``."""
     apart, every = f" * {numbers_of(len(first))[f]} * ROW", enumerate(first)
     return total(slope(kernel, f, ROWS, k, near, count, at, free, apart) for k, at in every)
 
 
-def _load(d: int) -> Kernel:
+def _load(d):
     kernel = Kernel("solid_load", "The unknowns of the nodes of a row.")
     kernel.store("unknowns", ROWS, kernel.read("q", PLANES, 2 * d + 1))
     return kernel
 
 
-def _strain(solid: Any, d: int, near: Near) -> Kernel:
+def _strain(solid, d, near):
     says = "F = 1 + 1/J0 sum_k D_k D A^k, with the stretch of hoops."
     kernel = Kernel("solid_strain" + "_inside" * (near[0] > 0), says)
     solid = kernel.parameters(solid)
@@ -116,7 +111,7 @@ def _strain(solid: Any, d: int, near: Near) -> Kernel:
     return kernel
 
 
-def _found_strain(kernel: Kernel, solid: Any, d: int, near: Near) -> Any:
+def _found_strain(kernel, solid, d, near):
     A, (J0,) = kernel.read("metrics", PLANES, d * d), kernel.read("metrics", PLANES, 1, d * d)
     D_D = _slopes(kernel, near, "unknowns", (0,) * d, d)
     gradient = scale(1.0 / J0, product(transpose(D_D), A))
@@ -125,7 +120,7 @@ def _found_strain(kernel: Kernel, solid: Any, d: int, near: Near) -> Any:
     return solid.with_hoops(add_unit(1.0, gradient), D, R)
 
 
-def _pull(solid: Any, d: int, near: Near, prestressed: bool) -> Kernel:
+def _pull(solid, d, near, prestressed):
     """Add a prestress S to P, and take its energy S : (F - 1)/m0 from that of which T is made."""
     says = "F, T, and the tractions t^k = (P + S) A^k with a prestress S."
     kernel, conducts = Kernel("solid_pull" + "_inside" * (near[0] > 0), says), solid.kappa > 0.0
@@ -148,7 +143,7 @@ def _pull(solid: Any, d: int, near: Near, prestressed: bool) -> Kernel:
     return kernel
 
 
-def _conduct(solid: Any, d: int, near: Near) -> Kernel:
+def _conduct(solid, d, near):
     kernel = Kernel("solid_conduct", "A^k . h with grad T = 1/J0 sum_k A^k D_k T.")
     solid = kernel.parameters(solid)
     A, (J0,) = kernel.read("metrics", PLANES, d * d), kernel.read("metrics", PLANES, 1, d * d)
@@ -160,7 +155,7 @@ def _conduct(solid: Any, d: int, near: Near) -> Kernel:
     return kernel
 
 
-def _accelerate(solid: Any, d: int, near: Near) -> Kernel:
+def _accelerate(solid, d, near):
     says = "The rates v, Div P/m0 + b, Div (P^T v + h)/m0 + b . v."
     kernel = Kernel("solid_rates" + "_inside" * (near[0] > 0), says)
     conducts, solid = solid.kappa > 0.0, kernel.parameters(solid)

@@ -20,13 +20,10 @@ With the other nodes, whose stages conditions may change, ``advance`` of
 fsipetsc.scheme.plan does the same after all is added, with such a sum.
 """
 
-from collections.abc import Mapping, Sequence
 from itertools import product
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fsipetsc.equations.vectors import add, along, sub
 from fsipetsc.kernels.arrays import zeros
@@ -40,7 +37,7 @@ RATES, STAGE, LAST = range(3)
 SAYS = "The rates.", "The next stage, from rates.", "The next solution, from rates."
 
 
-def ends_of(dof: int) -> tuple[Kernel, ...]:
+def ends_of(dof):
     """The kernels, by kind, that store what becomes of the rates k of a row."""
     kernels = tuple(Kernel(f"store_{kind}", says) for kind, says in enumerate(SAYS))
     for kind, kernel in enumerate(kernels):
@@ -56,7 +53,7 @@ def ends_of(dof: int) -> tuple[Kernel, ...]:
     return kernels
 
 
-def order(S: Any, ranges: Sequence[tuple[int, int]]) -> NDArray[np.int64]:
+def order(S, ranges):
     """(n, 2) stages and layers in the order in which a sweep takes them, each as late as may be.
 
     ranges: of the layers of each stage. Before a layer a stage needs all from the stage before it
@@ -65,7 +62,7 @@ def order(S: Any, ranges: Sequence[tuple[int, int]]) -> NDArray[np.int64]:
     ahead = [int(np.flatnonzero(of_layer).max(initial=0)) for of_layer in S.T]
     found, begun = [], [begin for begin, _ in ranges]
 
-    def take(stage: int, last: int) -> None:
+    def take(stage, last):
         while begun[stage] <= min(last, ranges[stage][1] - 1):
             layer = begun[stage]
             if stage > 0:
@@ -77,7 +74,7 @@ def order(S: Any, ranges: Sequence[tuple[int, int]]) -> NDArray[np.int64]:
     return np.array(found, np.int64)
 
 
-def pieces(begin: int, count: int, most: int, multiple: int) -> list[tuple[int, int]]:
+def pieces(begin, count, most, multiple):
     """Ends of pieces, about equal, of at most ``most`` nodes; a multiple of some number in each."""
     size = -(-count // -(-count // most))
     size += -size % multiple
@@ -85,7 +82,7 @@ def pieces(begin: int, count: int, most: int, multiple: int) -> list[tuple[int, 
     return [(a, min(a + size, begin + count)) for a in ends]
 
 
-def reached(bands: Any, box: Any) -> Any:
+def reached(bands, box):
     """Return the box of all nodes that have pairs with those of a box, and of these."""
     found = []
     for (S, _), (begin, end) in zip(bands, box, strict=True):
@@ -96,7 +93,7 @@ def reached(bands: Any, box: Any) -> Any:
     return found
 
 
-def in_order(of_axes: Any, d: int) -> Any:
+def in_order(of_axes, d):
     """Return three numbers in the order first axis, second one of three, last one."""
     return (of_axes[0], of_axes[2], of_axes[1]) if d == 2 else tuple(of_axes)
 
@@ -107,28 +104,18 @@ class Sweep(SimpleNamespace):
     and the last one, in the ghosted array. Methods take n nodes of a row from x on.
 
     p: parameters of the kernels. boxes: (tiles, stages, 3, 2) first node and first beyond of what
-    the stages do, the last of them with the tile's own nodes. axes: the neighbours of the nodes
+    the stages do, the last of them with the tile's own nodes; ranges: of each stage the layers in
+    its box, which are those of all tiles. axes: the neighbours of the nodes
     (fsipetsc.operators.slopes); inside: three pairs, first node and first beyond of those inside of
     a block, None of axes that are not there. layers, depth: so many layers of so many rows are
     kept. tile: by name, (rows, numbers, ROW) what a row has of its nodes; margin: room in it before
     and after those of the tile. k: (dof, ROW) rates of the row at work.
     """
 
-    def prepare(
-        self,
-        equations: Any,
-        d: int,
-        kernels: Any,
-        bands: Any,
-        patch: Patch,
-        most: Sequence[int],
-        reaches: int,
-        kept: int,
-        numbers: Mapping[str, int],
-    ) -> None:
-        """bands: of the ghosted nodes along three axes. most: nodes of a tile along the first axis,
-        and rows. reaches: how often a stage needs what is around its nodes; kept: so many reaches
-        of layers. numbers: name -> how many a row has of each node.
+    def __init__(self, equations, d, kernels, bands, patch, most, reaches, kept):
+        """kernels: with numbers, name -> how many a row has of each node. bands: of the ghosted
+        nodes along three axes. most: nodes of a tile along the first axis, and rows. reaches: how
+        often a stage needs what is around its nodes; kept: so many reaches of layers.
         """
         bands, patch = in_order(bands, d), Patch(*(in_order(of_axes, d) for of_axes in patch))
         self.kernels, self.p, boxes = kernels, np.array([*floats_of(equations), 0.0]), []
@@ -148,16 +135,12 @@ class Sweep(SimpleNamespace):
         there = in_order(range(3), d)[:d]
         self.inside = tuple(axes[k].inside if k in there else None for k in range(3))
         self.axes, count = in_order(axes, d)[:d], self.layers * self.depth
-        made = {name: zeros((count, n, self.width)) for name, n in numbers.items()}
-        self.tile = SimpleNamespace(**made)
+        rows_of = {name: zeros((count, n, self.width)) for name, n in kernels.numbers.items()}
+        self.tile = SimpleNamespace(**rows_of)
         self.k = zeros((kernels.dof, self.width))
+        self.ranges = self.boxes[0, :, 2].tolist()
 
-    @property
-    def ranges(self) -> list[tuple[int, int]]:
-        """Of each stage the layers in its box, which are those of all tiles."""
-        return [(begin, end) for begin, end in self.boxes[0, :, 2].tolist()]
-
-    def begin(self, part: Any, found: Any, y: Any, q: Any, f: Any, **planes: Any) -> None:
+    def begin(self, part, found, y, q, f, **planes):
         """Record what follows for a part. found: see fsipetsc.scheme.plan. y: planes of the
         owned nodes of a state, q: of all with the halo, f: of what is found. planes: what kernels
         take of all nodes beside metrics.
@@ -200,11 +183,11 @@ class Sweep(SimpleNamespace):
         found |= {"k": self.k[0, x - self.x0 + self.margin :], "out": self.f[0, own:]}
         return {**found, "N": self.N, "M": self.M, "p": self.p}
 
-    def ghosted_at(self, x: Any, y: Any, z: Any) -> Any:
+    def ghosted_at(self, x, y, z):
         """The number of a node in ghosted arrays."""
         return (z * self.sizes[1] + y) * self.sizes[0] + x
 
-    def own_at(self, x: Any, y: Any, z: Any) -> Any:
+    def own_at(self, x, y, z):
         """Its number among the owned nodes."""
         row = (z - self.first[2]) * self.own[1] + (y - self.first[1])
         return row * self.own[0] + (x - self.first[0])
