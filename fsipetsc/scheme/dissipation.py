@@ -45,17 +45,15 @@ of the scheme, a = sigma/4^q. At shocks q = 1, a = 0, b = 0.7 times the option; 
 b = -a. alpha of a difference is the largest of its nodes.
 """
 
-from collections.abc import Sequence
 from functools import partial, reduce
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
 from fsipetsc.equations.vectors import add, along, choose, dot, mean, scale, sub
 from fsipetsc.kernels.arrays import column, row
 from fsipetsc.kernels.loops import each, variable, when
-from fsipetsc.operators.sbp import Band, undivided
+from fsipetsc.operators.sbp import undivided
 from fsipetsc.scheme.gas_terms import collect_force
 from fsipetsc.scheme.part import area, gas_at, moving, nodes_of
 
@@ -86,7 +84,7 @@ class Damping(SimpleNamespace):
     differences along one axis have, after zeros for those before the first.
     """
 
-    def __init__(self, q: int, bands: Sequence[Band], cells: Sequence[int], numbers: int) -> None:
+    def __init__(self, q, bands, cells, numbers):
         shape, d = [len(band.weight) for band in bands], len(cells)
         least, per_weight = [np.zeros(n) for n in shape], [1.0 / band.weight for band in bands]
         for k in range(d):
@@ -102,11 +100,11 @@ class Damping(SimpleNamespace):
         self.F = np.zeros((numbers, self.nodes + q * self.strides[d - 1]))
 
     @property
-    def order(self) -> int:
+    def order(self):
         return len(self.weights) - 1
 
     @property
-    def nodes(self) -> int:
+    def nodes(self):
         return self.norm.shape[1]
 
     def difference(self, read, i, k, sign=1.0):
@@ -160,9 +158,7 @@ class GasDamping(Damping):
     a constant force there are more of these, and of F: see fsipetsc.scheme.gas_terms.
     """
 
-    def __init__(
-        self, q: int, bands: Any, cells: Any, sigma: float, shock: float, raises: bool
-    ) -> None:
+    def __init__(self, q, bands, cells, sigma, shock, raises):
         d = len(cells)
         super().__init__(q, bands, cells, d + 2 + raises)
         N = self.nodes
@@ -310,7 +306,7 @@ class SolidDamping(Damping):
     work: (N,).
     """
 
-    def __init__(self, q: int, bands: Any, cells: Any, a: float, b: float, solid: Any) -> None:
+    def __init__(self, q, bands, cells, a, b, solid):
         super().__init__(q, bands, cells, len(cells) + 1)
         K = solid.law.wave_modulus(solid.tensor(solid.unstrained((0.0,) * len(cells))))
         self.a, self.b, self.work = a, b, np.zeros(self.nodes)
