@@ -40,6 +40,12 @@ class Facts:
         return found if name in NUMBERS else found == 1
 
 
+def every(record):
+    """Yield the number of each particle, and what is known of it."""
+    for p in each(record.mass.size):
+        yield p, Facts(record, p)
+
+
 def value_of(variables):
     """The numbers of several variables, as a tuple."""
     return tuple(one.value for one in variables)
@@ -149,12 +155,13 @@ def velocity(like, U, p, M):
     return choose(M > 0.0, per(row(like, U, p, 1), U[p, 0]), nothing)
 
 
-def accelerate(record, gain, p, one, of_gas, of_solid):
-    """U_t of the gas and acceleration of the solid of a particle, from the sums of rates. A gas
-    that is given has none: it gets its velocity in each stage, and the solid with it.
+def accelerate(record, gain, p, one, of_gas, F):
+    """U_t of the gas and acceleration of the solid of a particle, from the sums of rates, F that of
+    the momentum of the solid. A gas that is given has none: it gets its velocity in each stage, and
+    the solid with it.
     """
     like, data, U = record.like, record.data, row((*record.like, 0.0, 0.0), record.U, p)
-    (J_t, R, R_m, R_E), (_, _, F, _), nothing = of_gas, of_solid, (0.0,) * len(like)
+    (J_t, R, R_m, R_E), nothing = of_gas, (0.0,) * len(like)
     M, M_s, v = record.mass[p], record.solid_mass[p], row(like, record.v, p)
     u, w = velocity(like, record.U, p, M), row(like, data.wall, p)
     w_t = row(like, data.wall_rate, p)
@@ -214,7 +221,7 @@ def powers(record, gain, p, one, force, force_s, u, v, w):
 
 
 def weigh_heat(record):
-    """Mean specific heat of the solid members of each particle, and mean of what they store."""
+    """Mass of the solid members of each particle, mean specific heat, mean of what they store."""
     for p in each(record.mass.size):
         mass, heat, energy = sums = variable(), variable(), variable()
         for r in each(record.begin[p], record.begin[p + 1]):
@@ -223,6 +230,7 @@ def weigh_heat(record):
                 heat.value += record.weight[r] * record.alpha[r]
                 energy.value += record.weight[r] * record.stored[r, 0]
         M_s, heat, energy = value_of(sums)
+        record.solid_mass[p] = M_s
         with when(M_s > 0.0):
             record.capacity[p] = heat / M_s
             record.potential[p] = energy / M_s
@@ -232,8 +240,8 @@ def share_heat(law, which, record, gain):
     """One temperature of gas and solid where both conduct, or that which is given: of a wall, of
     the gas, or of the solid. Of particles whose gas has this law, the one of this number.
     """
-    for p in each(record.mass.size):
-        one, U, M, at_E = Facts(record, p), record.U, record.mass[p], len(record.like) + 1
+    for p, one in every(record):
+        U, M, at_E = record.U, record.mass[p], len(record.like) + 1
         warm, solid = one.warm_gas, one.warm_solid
         gas, both = one.given_gas & ~warm, one.shares_heat
         with when((one.law == which) & (warm | both) & (M > 0.0)):
@@ -249,7 +257,7 @@ def share_heat(law, which, record, gain):
             with when(gas & ~solid):
                 rho, E = U[p, 0], U[p, at_E]
                 T = law.temperature(rho, E / rho - of_gas)
-                warm_the_solid(record, gain, p, of_solid, T)
+                warm_the_solid(record, gain, p, one, of_solid, T)
             with when(~warm & ~gas & ~solid):
                 rho, c, M_s, e = U[p, 0], record.capacity[p], record.solid_mass[p], record.e[p]
                 heat = M * (U[p, at_E] / rho - of_gas) + M_s * (e - of_solid)
@@ -262,9 +270,9 @@ def share_heat(law, which, record, gain):
 
 def warm_solids(record, gain):
     """The solids whose temperature is given get it."""
-    for p in each(record.mass.size):
-        with when(Facts(record, p).warm_solid & (record.solid_mass[p] > 0.0)):
-            warm_the_solid(record, gain, p, rest_of(record, p), record.data.T_solid[p])
+    for p, one in every(record):
+        with when(one.warm_solid & (record.solid_mass[p] > 0.0)):
+            warm_the_solid(record, gain, p, one, rest_of(record, p), record.data.T_solid[p])
 
 
 def rest_of(record, p):
@@ -273,9 +281,8 @@ def rest_of(record, p):
     return record.potential[p] + 0.5 * dot(v, v)
 
 
-def warm_the_solid(record, gain, p, of_solid, T):
+def warm_the_solid(record, gain, p, one, of_solid, T):
     """Let the solid have a temperature."""
-    one = Facts(record, p)
     given = one.given_solid | ~one.warm_solid  # it comes with all unknowns
     e = of_solid + record.capacity[p] * T
     came = np.where(one.mine, record.solid_mass[p] * (e - record.e[p]), 0.0)

@@ -31,19 +31,18 @@ def weigh(record, y):
 
 
 def summed(record, p):
-    """(V, M, P, E) of the gas and (M_s, M_s D, M_s v, M_s e) of the solid of particle p."""
+    """(V, M, P, E) of the gas and M_s (D, v, e) of the solid of particle p."""
     rows, d = record.rows, len(record.like)
-    gas, solid = ([variable() for _ in range(n)] for n in (d + 3, 2 * d + 2))
+    gas, solid = ([variable() for _ in range(n)] for n in (d + 3, 2 * d + 1))
     for r in each(record.begin[p], record.begin[p + 1]):
         with when(record.kind[r] == GAS):
             for c in range(d + 3):
                 gas[c].value += rows[r, c]
         with otherwise():
-            solid[0].value += record.weight[r]
             for c in range(2 * d + 1):
-                solid[1 + c].value += rows[r, c]
-    (V, M, *P, E), (M_s, *Ds, E_s) = constraints.value_of(gas), constraints.value_of(solid)
-    return (V, M, tuple(P), E), (M_s, tuple(Ds[:d]), tuple(Ds[d:]), E_s)
+                solid[c].value += rows[r, c]
+    (V, M, *P, E), (*Ds, E_s) = constraints.value_of(gas), constraints.value_of(solid)
+    return (V, M, tuple(P), E), (tuple(Ds[:d]), tuple(Ds[d:]), E_s)
 
 
 def kinetic(P, M):
@@ -56,28 +55,27 @@ def end_sums(record, gain):
     stick have one velocity, and the gas gets the kinetic energy that the solid loses by that.
     """
     gain.numbers[:] = 0.0
-    for p in each(record.mass.size):
-        one = constraints.Facts(record, p)
-        of_gas, of_solid = summed(record, p)
-        (V, M, P, E), (M_s, D, P_s, E_s) = obeyed(record, p, one, of_gas, of_solid)
-        record.mass[p], record.V[p], record.solid_mass[p] = M, V, M_s
+    for p, one in constraints.every(record):
+        (of_gas, of_solid), M_s = summed(record, p), record.solid_mass[p]
+        (V, M, P, E), (D, P_s, E_s) = obeyed(record, p, one, of_gas, of_solid)
+        record.mass[p], record.V[p] = M, V
         with when(V > 0.0):
             record.U[p] = M / V, *per(P, V), E / V
         with when(M_s > 0.0):
-            record.mean_energy[p], record.e[p] = of_solid[3] / M_s, E_s / M_s
+            record.mean_energy[p], record.e[p] = of_solid[2] / M_s, E_s / M_s
             record.v[p] = per(P_s, M_s)
             record.D[p] = D
         held = one.wall | one.clamp
         with when(one.mine & (held | one.given_gas | one.given_solid)):
             with when(V > 0.0):
                 gain.mass[one.column] += M - of_gas[1]
-            constraints.accumulate(gain.impulse, add(sub(P, of_gas[2]), sub(P_s, of_solid[2])))
-            gain.energy[one.moves_gas] += (E - of_gas[3]) + (E_s - of_solid[3])
+            constraints.accumulate(gain.impulse, add(sub(P, of_gas[2]), sub(P_s, of_solid[1])))
+            gain.energy[one.moves_gas] += (E - of_gas[3]) + (E_s - of_solid[2])
 
 
 def obeyed(record, p, one, of_gas, of_solid):
     """The sums of particle p, as walls, clamps and data have them; D is the mean displacement."""
-    (V, M, P, E), (M_s, D, P_s, E_s) = of_gas, of_solid
+    (V, M, P, E), (D, P_s, E_s), M_s = of_gas, of_solid, record.solid_mass[p]
     like, data, moved = record.like, record.data, one.clamp | one.given_solid
     D = choose(one.placed, row(like, data.clamp, p), choose(M_s > 0.0, per(D, M_s), D))
     P_s = choose(moved, scale(M_s, row(like, data.clamp_velocity, p)), P_s)
@@ -91,7 +89,7 @@ def obeyed(record, p, one, of_gas, of_solid):
     change = np.where(sticks & ~moved, kinetic(P_s, M_s) - before, 0.0)
     E, E_s = E - change, E_s + change
     M, E = np.where(given, V * rho, M), np.where(given, V * of_data, E)
-    return (V, M, choose(given, scale(V, tuple(rho_u)), P), E), (M_s, D, P_s, E_s)
+    return (V, M, choose(given, scale(V, tuple(rho_u)), P), E), (D, P_s, E_s)
 
 
 # normals, and what members store
@@ -132,8 +130,7 @@ def impose_conditions(record, gain, y):
     added to the auxiliary unknowns.
     """
     if record.slips:
-        for p in each(record.mass.size):
-            one = constraints.Facts(record, p)
+        for p, one in constraints.every(record):
             with when(one.count > 0):
                 constraints.slide(record, gain, p, one)
     for number, law in enumerate(record.laws):
@@ -174,8 +171,9 @@ def give_state(record, y):
 
 def end_rates(record, gain, y, f):
     """Rates of members from the sums of their rates, under the constraints of their particles."""
-    for p in each(record.mass.size):
-        constraints.accelerate(record, gain, p, constraints.Facts(record, p), *summed(record, p))
+    for p, one in constraints.every(record):
+        of_gas, (_, F, _) = summed(record, p)
+        constraints.accelerate(record, gain, p, one, of_gas, F)
     give_rates(record, gain, y, f)
     book(record, gain, f, False)
 
