@@ -42,7 +42,7 @@ from fsipetsc.kernels.loops import each
 from fsipetsc.materials.stiffened_gas import PerfectGas, stiffened_gas
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.faces import add_areas, turn_plane
-from fsipetsc.scheme.monitor import along_axes, moment, observe
+from fsipetsc.scheme.monitor import observe
 from fsipetsc.scheme.part import area, book, moving, nodes_of, owned_planes
 
 #: laws whose entropy the two-point flux of fsipetsc.equations.gas conserves
@@ -202,8 +202,8 @@ def monitor(part, found, y):
 
 
 def seen_at(part, q, metrics, own, n):
-    """Return the extremes at a node, and name -> integrand per volume of the reference coordinates;
-    metrics: those that bound the step, see the head of this file.
+    """Return what `observe` asks for, integrands per volume of the reference coordinates; metrics:
+    those that bound the step, see the head of this file.
     """
     gas, d, convection, squares = part.laws, len(part.like), 0.0, 0.0
     here = row((0.0,) * (d + 3), q, own)
@@ -223,11 +223,6 @@ def seen_at(part, q, metrics, own, n):
     known = (convection < np.inf) & (diffusion < np.inf) & (apart < np.inf)  # so are the places
     bad = np.where(known & positive, 0.0, 1.0)
     (_, rho, *momentum, energy), place = here, column(part.like, part.places, n)
-    return (bad, convection, diffusion, -here[0] / of_map, apart), {
-        "mass": rho,
-        **along_axes("momentum", momentum),
-        "energy": energy,
-        "entropy": here[0] * gas.entropy_density(w),
-        **moment(place, momentum),
-        "potential_energy": -rho * dot(gas.force, place),
-    }
+    entropy, level = here[0] * gas.entropy_density(w), -rho * dot(gas.force, place)
+    densities = {"mass": rho, "energy": energy, "entropy": entropy, "potential_energy": level}
+    return (bad, convection, diffusion, -here[0] / of_map, apart), place, momentum, densities

@@ -49,16 +49,16 @@ def survey(room, least, rows, see, columns=COLUMNS):
 def observe(part, found, see):
     """Put extremes of a part into those of its block, and its integrals into the record of the
     step. see: returns, for an owned node's numbers among the owned ones and in the ghosted array,
-    its extremes, and a dict: name of an integral -> what it has of the node per mass.
+    its extremes, its place, its momentum and energy and other integrands by name, per mass.
     found: see fsipetsc.scheme.plan.
     """
     columns, names = part.columns, vars(part.columns)
 
-    def weighed(x, at):
+    def weighed(c, at):
         """What counts of a node."""
-        node, own = at
-        extremes, densities = see(own + x, node + x)
-        mass = part.masses[own + x]
+        own, mass = at[1] + c, part.masses[at[1] + c]
+        extremes, x, p, more = see(own, at[0] + c)
+        densities = {**along_axes("momentum", p), **moment(x, p), **more}
         return extremes, {name: mass * densities[name] for name in densities if name in names}
 
     rows = ((0, n, (node, own)) for node, own, n in rows_of(part))

@@ -9,35 +9,33 @@ the ghosted array, in d dimensions it has
     (dof, 0) without. signs: of images, see fsipetsc.parallel.block_layout. X: (d, N) of the
     reference map, or at rest. metrics: of a gas (d d + d, N), a^1 … a^d, velocity of the grid, and
     around an axis A; of a solid (d d + 1, N), A^1 … A^d and J0, then R around an axis. masses: (M,)
-    weights of the nodes, of a solid times J0 m0. at_particles: see fsipetsc.scheme.faces.
+    weights of the nodes, of a solid times J0 m0. at_particles: see fsipetsc.particles.system.
 
     volume: the sweep. free: first node and first beyond along each axis, first, second one of
     three, last one, of the owned nodes to whose rates nothing is added after the sweep. terms:
     functions that add to rates, by owned and by ghosted unknowns, or records with such a function
-    `add`; some do not read all they take. forcing: by components of M nodes, or None: of mass,
-    velocities and energy per mass of a gas; of velocity, temperature and place of a solid. loses:
-    whether work is booked. per_h: (d,) cells of the block.
-    room: of fsipetsc.scheme.monitor.survey. columns: name -> where a series begins in the record of
-    a step.
+    `add`. forcing: by components of M nodes, or None: of mass, velocities and energy per mass of a
+    gas; of velocity, temperature and place of a solid. loses: whether work is booked. per_h: (d,)
+    cells of the block. room: of fsipetsc.scheme.monitor.survey. columns: name -> where a series
+    begins in the record of a step.
 
-    Of a gas: form: of convection. around: whether it is around an axis. column: of its
-    mass in what comes in. places: (d, N) where the monitor finds the nodes. ends: nodes at the ends
-    of axes, one at an edge once for each axis: at, own, axis: (n,) numbers in the ghosted array and
-    among the owned nodes, axis; factor: sign of the outward normal over the weight of the axis.
-    moves: whether its grid moves; grid: see fsipetsc.blocks.grid. known: (m, 2d) displacements and
-    velocities by which it moves, follows: (n,) particles here that have them, follower_rows: (n,)
-    where. reference, J: (M,) J of the reference map, and of the grid, by `find_volumes`.
+    Of a gas: form: of convection. around: whether it is around an axis. column: of its mass in what
+    comes in. places: (d, N) where the monitor finds the nodes. ends: nodes at the ends of axes, one
+    at an edge once for each axis: at, own, axis, numbers in the ghosted array and among the owned
+    nodes, axis; factor: sign of the outward normal over the weight of the axis. moves: whether its
+    grid moves; grid: see fsipetsc.blocks.grid. known: (m, 2d) displacements and velocities by which
+    it moves, follows: particles here that have them, follower_rows: where. reference, J: (M,) of
+    the reference map, and of the grid, by `find_volumes`.
 
     Of a solid: inertia: (N,) J0 m0. prestress: (d d, N) what P has beside, or None. F: (d d, M), or
     one more with hoops, as monitored last. interfaces: (n, 2) number of an interface at this part
-    in one dimension, and owned row of its node. stored_at: (n,) ghosted rows of members that tell
-    what they store, rows_of_stored: (n,) where.
+    in one dimension, and owned row of its node. stored_at: ghosted rows of members that tell what
+    they store, rows_of_stored: where.
 
 ``gain`` is a record of what comes into the problem from outside. numbers: all that follow, in the
-order of the record of a step. mass: of each block of gas. lost: (1,) work on solids if it is
-booked, else (0,). work: (1,) work of constant forces if there are any, else (0,). impulse: (d,).
-energy: through each outer face; the last one is of what comes through no face. heat: the part of
-energy that is heat. total: (1,) the sum of energy.
+order of the record of a step. mass: of each block of gas. lost, work: (1,) work on solids if it is
+booked, work of constant forces if there are any, else (0,). impulse: (d,). energy: through each
+outer face; the last one is of what comes through no face. heat: what of it is heat. total: (1,).
 """
 
 from fsipetsc.kernels.arrays import column, row

@@ -12,7 +12,7 @@ from fsipetsc.kernels.arrays import column, row
 from fsipetsc.kernels.loops import each
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.faces import strain_at
-from fsipetsc.scheme.monitor import along_axes, moment, observe
+from fsipetsc.scheme.monitor import observe
 from fsipetsc.scheme.part import area, book, ghosted_planes, nodes_of, owned_planes
 
 
@@ -92,8 +92,8 @@ def stressed(part, q, out):
 
 
 def seen_at(part, q, own, node):
-    """Return the extremes at a node, and name -> what integrals have of it per mass. Convection is
-    inf where the state is not physical; a J that is no number is left out.
+    """Return what `observe` asks for. Convection is inf where the state is not physical; a J that
+    is no number is left out.
     """
     solid, metrics, d = part.laws, part.metrics, len(part.like)
     zeros = (0.0,) * d
@@ -109,20 +109,15 @@ def seen_at(part, q, own, node):
         squares = squares + solid.curvature(metrics[d * d + 1, node])
     modulus = solid.wave_modulus_at(F, T)
     speed = np.sqrt(np.maximum(modulus, 0.0) / solid.m0 * squares)
-    fastest = np.where((J > 0.0) & (T > 0.0) & (modulus > -1e-300), speed, np.inf)
-    fastest = np.where(fastest < np.inf, fastest, np.inf)
+    good = (J > 0.0) & (T > 0.0) & (modulus > -1e-300) & (speed < np.inf)
     diffusion = STIFFNESS_OF_WIDE * solid.kappa / (solid.m0 * solid.alpha) * squares
-    bad, least = np.where(fastest < np.inf, 0.0, 1.0), -np.where(J < np.inf, J, np.inf)
+    bad, fastest = np.where(good, 0.0, 1.0), np.where(good, speed, np.inf)
+    least = -np.where(J < np.inf, J, np.inf)
     place = add(column(zeros, part.X, node), displacement)
     energy = 0.5 * dot(v, v) + stored_energy(part, F, node) if part.loses else 0.0
-    return (bad, fastest, diffusion, least, 0.0), {
-        **along_axes("momentum", v),
-        "energy": e,
-        **moment(place, v),
-        "potential_energy": -dot(solid.force, place),
-        "solid_energy": energy,
-        "lost_energy": -energy,
-    }
+    densities = {"energy": e, "potential_energy": -dot(solid.force, place)}
+    densities |= {"solid_energy": energy, "lost_energy": -energy}
+    return (bad, fastest, diffusion, least, 0.0), place, v, densities
 
 
 def stored_energy(part, F, node):
