@@ -94,7 +94,7 @@ class BlockState(State):
         self.changing = self.y, self.results, self.batch
         self.bounds = np.zeros((len(problem.blocks), 2))
         particles, at = particles_of(problem), saved.slices(self.latest.dtype)
-        self.particles = ParticleSystem(layout, particles, self._instant)
+        self.particles = ParticleSystem(layout, particles, self._instant, gain)
         ends = [self.latest_numbers[at.get(name, slice(0))] for name in saved.OF_INTERFACES]
         found = SimpleNamespace(
             y=self.y,
@@ -150,7 +150,7 @@ class BlockState(State):
         data = [Code() for _ in sources]
         for code, some in zip(data, sources, strict=True):
             code.procedure("set_data", set_data, tuple(some), found.time)
-        codes = [*(part.code for part in parts), *data, self.particles.procedures(found.gain)]
+        codes = [*(part.code for part in parts), *data, self.particles.code]
         codes.append(calling)
         texts = [code.text for code in codes]
         for code, library in zip(codes, libraries(comm, texts, announce), strict=True):

@@ -115,7 +115,7 @@ def eliminate(K, A, x, size):
             x[k] /= A[k, k]
 
 
-def slide(record, gain, p, one):
+def slide(record, p, one):
     """Project the velocities of a particle on what its constraints allow; the kinetic energy that
     the solid loses goes to the gas.
     """
@@ -131,7 +131,7 @@ def slide(record, gain, p, one):
     for k in each(pick(one.mine, one.count, 0)):  # what forces do to bodies they move
         G, S = vectors(like, record.normals, p, k)
         moved = add(choose(one.free_gas, G, nothing), choose(one.free_solid, S, nothing))
-        accumulate(gain.impulse, scale(pi[k], moved))
+        accumulate(record.gain.impulse, scale(pi[k], moved))
     with when(M_s > 0.0):  # without a solid v stays 0: it is read, and a failed step has NaN
         record.v[p] = new_v
     with when(M > 0.0):
@@ -140,7 +140,7 @@ def slide(record, gain, p, one):
         record.e[p] += change / M_s
         given = one.given_gas  # the gas keeps what it has; the energy comes in
         U[p, len(like) + 1] -= np.where(given, 0.0, change / record.V[p])
-        gain.energy[one.moves_gas] += np.where(given & one.mine, change, 0.0)
+        record.gain.energy[one.moves_gas] += np.where(given & one.mine, change, 0.0)
 
 
 def accumulate(total, values):
@@ -155,7 +155,7 @@ def velocity(like, U, p, M):
     return choose(M > 0.0, per(row(like, U, p, 1), U[p, 0]), nothing)
 
 
-def accelerate(record, gain, p, one, of_gas, F):
+def accelerate(record, p, one, of_gas, F):
     """U_t of the gas and acceleration of the solid of a particle, from the sums of rates, F that of
     the momentum of the solid. A gas that is given has none: it gets its velocity in each stage, and
     the solid with it.
@@ -182,14 +182,14 @@ def accelerate(record, gain, p, one, of_gas, F):
         solve(record, p, one, M, M_s, a, b)
     a, b = value_of(a), value_of(b)
     force, force_s = scale(M, sub(a, a_g)), scale(M_s, sub(b, a_s))
-    power, from_solid = powers(record, gain, p, one, force, force_s, u, v, w)
+    power, from_solid = powers(record, p, one, force, force_s, u, v, w)
     record.acceleration[p] = b
     with when(M > 0.0):
         rates = R, *add(R_m, force), R_E + power + from_solid
         record.U_t[p] = per(along(rates, -J_t, U), record.V[p])
 
 
-def powers(record, gain, p, one, force, force_s, u, v, w):
+def powers(record, p, one, force, force_s, u, v, w):
     """Two powers that the gas gets: from walls, and from the solid. Where the gas slips, a face
     moves as the wall or the solid there, not as the gas. To ``gain`` goes what walls and clamps do.
     """
@@ -206,14 +206,14 @@ def powers(record, gain, p, one, force, force_s, u, v, w):
     with when(one.mine & both):
         for k in each(one.count):
             push = scale(record.pi[k], add(*vectors(record.like, record.normals, p, k)))
-            accumulate(gain.impulse, push)
+            accumulate(record.gain.impulse, push)
             slips = record.constraint[p, k] == SLIPS
             at = pick(slips, one.moves_gas, one.moves_solid)
-            gain.energy[at] += dot(push, choose(slips, w, v))
+            record.gain.energy[at] += dot(push, choose(slips, w, v))
     with when(one.mine & ~both):
-        accumulate(gain.impulse, add(force, force_s))
-        gain.energy[one.moves_gas] += power.value
-        gain.energy[one.moves_solid] += of_solid.value + dot(force_s, v)
+        accumulate(record.gain.impulse, add(force, force_s))
+        record.gain.energy[one.moves_gas] += power.value
+        record.gain.energy[one.moves_solid] += of_solid.value + dot(force_s, v)
     return power.value, of_solid.value
 
 
@@ -236,7 +236,7 @@ def weigh_heat(record):
             record.potential[p] = energy / M_s
 
 
-def share_heat(law, which, record, gain):
+def share_heat(law, which, record):
     """One temperature of gas and solid where both conduct, or that which is given: of a wall, of
     the gas, or of the solid. Of particles whose gas has this law, the one of this number.
     """
@@ -251,13 +251,13 @@ def share_heat(law, which, record, gain):
                 T = np.where(warm, record.data.T[p], record.data.T_solid[p])
                 E = U[p, 0] * (law.internal_energy(U[p, 0], T) + of_gas)
                 came = np.where(one.mine, record.V[p] * (E - U[p, at_E]), 0.0)
-                gain.energy[one.heats_gas] += came
-                gain.heat[one.heats_gas] += np.where(warm, came, 0.0)
+                record.gain.energy[one.heats_gas] += came
+                record.gain.heat[one.heats_gas] += np.where(warm, came, 0.0)
                 U[p, at_E] = E
             with when(gas & ~solid):
                 rho, E = U[p, 0], U[p, at_E]
                 T = law.temperature(rho, E / rho - of_gas)
-                warm_the_solid(record, gain, p, one, of_solid, T)
+                warm_the_solid(record, p, one, of_solid, T)
             with when(~warm & ~gas & ~solid):
                 rho, c, M_s, e = U[p, 0], record.capacity[p], record.solid_mass[p], record.e[p]
                 heat = M * (U[p, at_E] / rho - of_gas) + M_s * (e - of_solid)
@@ -268,11 +268,11 @@ def share_heat(law, which, record, gain):
                 U[p, at_E] = rho * (sum_of_both - M_s * e) / M
 
 
-def warm_solids(record, gain):
+def warm_solids(record):
     """The solids whose temperature is given get it."""
     for p, one in every(record):
         with when(one.warm_solid & (record.solid_mass[p] > 0.0)):
-            warm_the_solid(record, gain, p, one, rest_of(record, p), record.data.T_solid[p])
+            warm_the_solid(record, p, one, rest_of(record, p), record.data.T_solid[p])
 
 
 def rest_of(record, p):
@@ -281,13 +281,13 @@ def rest_of(record, p):
     return record.potential[p] + 0.5 * dot(v, v)
 
 
-def warm_the_solid(record, gain, p, one, of_solid, T):
+def warm_the_solid(record, p, one, of_solid, T):
     """Let the solid have a temperature."""
     given = one.given_solid | ~one.warm_solid  # it comes with all unknowns
     e = of_solid + record.capacity[p] * T
     came = np.where(one.mine, record.solid_mass[p] * (e - record.e[p]), 0.0)
-    gain.energy[one.heats_solid] += came
-    gain.heat[one.heats_solid] += np.where(given, 0.0, came)
+    record.gain.energy[one.heats_solid] += came
+    record.gain.heat[one.heats_solid] += np.where(given, 0.0, came)
     record.e[p] = e
 
 

@@ -50,10 +50,11 @@ def kinetic(P, M):
     return np.where(M > 0.0, 0.5 * dot(P, P) / M, 0.0)
 
 
-def end_sums(record, gain):
+def end_sums(record):
     """Find from the sums of all members one U, one displacement and velocity. Gas and solid that
     stick have one velocity, and the gas gets the kinetic energy that the solid loses by that.
     """
+    gain = record.gain
     gain.numbers[:] = 0.0
     for p, one in constraints.every(record):
         (of_gas, of_solid), M_s = summed(record, p), record.solid_mass[p]
@@ -125,23 +126,24 @@ def own_members(record):
 # constraints
 
 
-def impose_conditions(record, gain, y):
+def impose_conditions(record, y):
     """What constraints and heat make of the sums, for the members of this rank; what came in is
     added to the auxiliary unknowns.
     """
     if record.slips:
         for p, one in constraints.every(record):
             with when(one.count > 0):
-                constraints.slide(record, gain, p, one)
+                constraints.slide(record, p, one)
     for number, law in enumerate(record.laws):
-        constraints.share_heat(law, number, record, gain)
-    constraints.warm_solids(record, gain)
+        constraints.share_heat(law, number, record)
+    constraints.warm_solids(record)
     give_state(record, y)
-    book(record, gain, y, True)
+    book(record, y, True)
 
 
-def book(record, gain, vector, adds):
+def book(record, vector, adds):
     """Sum up the energies that came in; the auxiliary unknowns of a vector get all that came in."""
+    gain = record.gain
     gain.total[0] = 0.0
     for c in each(gain.energy.shape[0]):
         gain.total[0] += gain.energy[c]
@@ -169,16 +171,16 @@ def give_state(record, y):
             y[at(2 * d)] = np.where(constraints.Facts(record, p).one_T, shared, alone)
 
 
-def end_rates(record, gain, y, f):
+def end_rates(record, y, f):
     """Rates of members from the sums of their rates, under the constraints of their particles."""
     for p, one in constraints.every(record):
         of_gas, (_, F, _) = summed(record, p)
-        constraints.accelerate(record, gain, p, one, of_gas, F)
-    give_rates(record, gain, y, f)
-    book(record, gain, f, False)
+        constraints.accelerate(record, p, one, of_gas, F)
+    give_rates(record, y, f)
+    book(record, f, False)
 
 
-def give_rates(record, gain, y, f):
+def give_rates(record, y, f):
     """(J U)_t = J U_t + U J_t of gas members; accelerations of solid ones, and their power."""
     like, d = record.like, len(record.like)
     for p, r, at in own_members(record):
@@ -193,4 +195,4 @@ def give_rates(record, gain, y, f):
                 f[at(d + c)] += push[c]
             f[at(2 * d)] += power
             with when(record.booked[r] == 1):
-                gain.lost[0] += record.weight[r] * power
+                record.gain.lost[0] += record.weight[r] * power

@@ -13,7 +13,7 @@ import numpy as np
 
 from fsipetsc.blocks.block_problem import Meeting
 from fsipetsc.checks import Array
-from fsipetsc.kernels.procedure import Code, Procedure
+from fsipetsc.kernels.procedure import Code
 from fsipetsc.parallel.block_layout import PARTICLES_TAG, BlockLayout
 from fsipetsc.parallel.exchange import RowExchange
 from fsipetsc.particles import procedures
@@ -25,18 +25,16 @@ from fsipetsc.particles.prescribed import Instant, Prescribed
 class ParticleSystem:
     """Particles with a member on this rank. Making one is collective on ``layout.comm``.
 
-    instant: as in Prescribed.
+    instant: as in Prescribed. gain: see fsipetsc.scheme.part.
 
     record: all that procedures take, of n particles and their members, on this and other ranks:
-    rows of tables, those of one particle together, in an order that all ranks have in common. does:
-    the procedures by their names, once they are recorded. sums, areas, stored: exchanges of what
+    rows of tables, those of one particle together, in an order that all ranks have in common. code,
+    does: the recorded procedures, also by their names. sums, areas, stored: exchanges of what
     members add up, of their area vectors, of their elastic energies.
     """
 
-    does: dict[str, Procedure]
-
     def __init__(
-        self, layout: BlockLayout, particles: Sequence[Particle], instant: Instant
+        self, layout: BlockLayout, particles: Sequence[Particle], instant: Instant, gain: Any
     ) -> None:
         self._layout, d, me = layout, layout.problem.dimension, layout.comm.rank
         listed = [(p, k, n) for p, one in enumerate(particles) for k, n in one.members]
@@ -87,21 +85,14 @@ class ParticleSystem:
             **{name: np.zeros(most) for name in ("pi", "pivots")},
             auxiliary=layout.auxiliary,  # unknowns, at the end of a vector, of what came in
             first_auxiliary=layout.local_size - layout.auxiliary,
+            gain=gain,
         )
-
-    def procedures(self, gain: Any) -> Code:
-        """What is done with particles, recorded; gain: see fsipetsc.scheme.part. Once the code is
-        loaded, and before anything else, ``does["weigh_heat"]()`` is to be called.
-        """
-        code, record = Code(), self.record
-        taking_none = procedures.weigh, procedures.begin_stored, weigh_heat
-        takes = {f.__name__: (f, record) for f in taking_none}
-        taking_gain = procedures.end_sums, procedures.impose_conditions, procedures.end_rates
-        takes |= {f.__name__: (f, record, gain) for f in taking_gain}
+        record, self.code = self.record, Code()
+        every = procedures.weigh, procedures.end_sums, procedures.begin_stored, weigh_heat
+        every += procedures.impose_conditions, procedures.end_rates
+        self.does = {f.__name__: self.code.procedure(f.__name__, f, record) for f in every}
         for name, total in (("end_normals", record.normals), ("end_turning", record.turning)):
-            takes[name] = procedures.gather, record, total
-        self.does = {name: code.procedure(name, *given) for name, given in takes.items()}
-        return code
+            self.does[name] = self.code.procedure(name, procedures.gather, record, total)
 
     def own(self, k: int) -> tuple[Array, Array, Array]:
         """This rank's members of block k: rows in the tables, nodes, ascending, particles here."""
@@ -169,8 +160,8 @@ class ParticleSystem:
 
     def begin(self, inertia: Mapping[int, Array]) -> None:
         """Learn M_s of the members of solids, weights of those of others, and mean specific heats,
-        once procedures and exchanges are loaded. inertia: block -> (owned nodes,), J0 m0 of solids.
-        Collective.
+        once procedures and exchanges are loaded, before anything else. inertia: block -> (owned
+        nodes,), J0 m0 of solids. Collective.
         """
         for k, of_nodes in inertia.items():
             rows, numbers, _ = self.own(k)
