@@ -221,12 +221,14 @@ class State:
         """What a step depends on, on rank 0: whole layers, (points, unknowns), and results."""
         layers = range(len(self.shapes))
         found = {f"layer{k}": whole(self.comm, self.numbers(k), self.owned(k)) for k in layers}
-        found |= {**self.more(), "results": self.results, "latest": self.latest_numbers}
+        found |= {**self.more(), "evaluations": np.array(self.evaluations)}
+        found |= {"results": self.results, "latest": self.latest_numbers}
         return found if self.comm.rank == 0 else None
 
     def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> None:
         """Be at time t [s] what ``capture`` told of, which all ranks know. InputError."""
         self.results[:], self.latest_numbers[:] = arrays["results"], arrays["latest"]
+        self.evaluations = int(arrays["evaluations"])
         for k in self.parts:
             self.owned(k)[:] = arrays[f"layer{k}"][self.numbers(k)]
         self.take(arrays)

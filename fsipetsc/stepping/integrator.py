@@ -16,6 +16,7 @@ from fsipetsc.scheme.observables import INTEGRAL, SERIES
 from fsipetsc.scheme.plan import STAGES
 from fsipetsc.state import FAULT, State
 from fsipetsc.stepping.notes import check
+from fsipetsc.stepping.restart import Past
 
 #: what a rank says of STOP that wants a checkpoint, below the numbers of signals. What ranks say
 #: goes round after a step anyway and the largest word counts, so a signal may come to any rank
@@ -40,7 +41,8 @@ def saved_times(opt: Mapping[str, Any], unit: str = " s") -> list[float]:
 
 
 class Integrator:
-    """Integrates a state in time; all methods are collective.
+    """Integrates a state in time, which has initial data, from there or from a checkpoint, the
+    ``past``; all methods are collective. InputError.
 
     opt: options in force. steps, t, wall_time [s] of the loop: reached so far; rejected: steps that
     were tried again; saved_at: time of the last frame. initial: integrals before the first step of
@@ -48,7 +50,7 @@ class Integrator:
     that came to this rank, or 0; stop_signal: that which has ended the run.
     """
 
-    def __init__(self, state: State, opt: Mapping[str, Any]) -> None:
+    def __init__(self, state: State, opt: Mapping[str, Any], past: Past | None = None) -> None:
         self.state, self.opt, self.comm = state, opt, state.comm
         self._recorded = 0  # steps in the journal
         self._every, self._wall = opt["fsi_checkpoint_steps"], opt["fsi_checkpoint_wall"]
@@ -58,19 +60,31 @@ class Integrator:
         self.t, self.saved_at, self.wall_time = 0.0, -1.0, 0.0
         self._fused = opt["ts_type"] == "fused"
         self._watched = PETSc.Options().hasName("ts_monitor")
+        self.initial, self.reached = dict[str, Any](), dict[str, Any]()
+        if past is None:
+            state.set_data(self.t)  # with differences in time of the length that a step has
+            state.finish()
+            check(state, opt, self.t, self.steps)
+            kept = [name for name in state.latest.dtype.names if SERIES[name].kind == INTEGRAL]
+            self.initial = {k: self.comm.allreduce(state.latest[k]).tolist() for k in kept}
+        else:
+            vars(self).update(past.header["memory"])
+            state.restore(past.arrays, self.t)
+        self._pass()
         self.batch_limit = 1  # most steps in one call
         if self._fused and not state.asks and not self._watched:
             most = MOST_POINTS[state.problem.dimension] // state.points
             self.batch_limit = max(1, min(MOST_STEPS, most))
-        self.initial, self.reached = dict[str, Any](), dict[str, Any]()
 
     @property
-    def complete(self) -> bool:
-        return not self._targets
+    def memory(self) -> dict[str, Any]:
+        """What a checkpoint has beside the state, as JSON holds it."""
+        return {name: getattr(self, name) for name in KEPT}
 
     @property
     def _ended(self) -> bool:
-        return self.complete or bool(self.stop_signal) or self.steps >= self.opt["ts_max_steps"]
+        most = self.opt["ts_max_steps"]
+        return not self._targets or bool(self.stop_signal) or self.steps >= most
 
     def _pass(self) -> bool:
         """Whether the time that is reached is one to be saved."""
@@ -78,29 +92,6 @@ class Integrator:
         while self._targets and self._targets[-1] <= self.t:
             self._targets.pop()
         return len(self._targets) < before
-
-    def start(self) -> None:
-        """Complete the initial data, which the state has."""
-        state = self.state
-        state.set_data(self.t)  # with differences in time of the length that a step has
-        state.finish()
-        check(state, self.opt, self.t, self.steps)
-        names = [name for name in state.latest.dtype.names if SERIES[name].kind == INTEGRAL]
-        self.initial = {name: self.comm.allreduce(state.latest[name]).tolist() for name in names}
-        self._pass()
-
-    def memory(self) -> dict[str, Any]:
-        """Return what ``resume`` needs beside the state; as JSON holds it."""
-        kept = {name: getattr(self, name) for name in KEPT}
-        return {**kept, "evaluations": self.state.evaluations}
-
-    def resume(self, memory: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
-        """Be where ``memory`` and ``state.capture()`` told of. InputError if it does not fit."""
-        for name in KEPT:
-            setattr(self, name, memory[name])
-        self.state.evaluations = memory["evaluations"]
-        self.state.restore(arrays, self.t)
-        self._pass()
 
     def take_series(self) -> np.ndarray:
         """The records of steps since the last time, not copied; on rank 0 with sums over ranks."""
@@ -131,8 +122,6 @@ class Integrator:
                 self._step(ts)
                 self.wall_time = time.perf_counter() - begun
                 self._note()
-                if self.full:  # nobody has taken them
-                    self.take_series()
         finally:
             self.wall_time = time.perf_counter() - begun
             if self._watched:
@@ -142,10 +131,12 @@ class Integrator:
             ts.destroy()
 
     def follow_up(self, longest: float, passed: bool, due: bool) -> None:
-        """Called after each batch of steps. longest: of them [s]; passed: whether its end is a time
-        to be saved; due: whether a checkpoint is wanted, after so many steps, by the clock of rank
-        0, after a signal, and at the end for those who want any.
+        """What follows a batch of steps. longest: of them [s]; passed: whether its end is a time to
+        be saved; due: whether a checkpoint is wanted, after so many steps, by the clock of rank 0,
+        after a signal, and at the end for those who want any.
         """
+        if self.full:
+            self.take_series()
 
     def _create(self) -> PETSc.TS:
         """Return PETSc's TS, which makes the steps of its own methods, and monitors all."""

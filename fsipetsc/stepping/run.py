@@ -130,16 +130,12 @@ class Run(Integrator):
     writer: RunWriter
 
     def __init__(self, name: str, opt: Mapping[str, Any], state: State, past: Past | None) -> None:
-        super().__init__(state, opt)
+        super().__init__(state, opt, past)
         self.name, self.problem, self.past = name, state.problem, past
         self.s, self.m = self.problem.unit("s"), self.problem.unit("m")
         self.path = restart.checkpoint_name(opt)
         self._told: set[int] = set()  # solids of which it was said that they are beyond their law
         self._speaks = self.comm.rank == 0 and not opt["fsi_quiet"]
-        if past is None:
-            self.start()
-        else:
-            self.resume(past.header["memory"], past.arrays)
         self._job = self._part, self.steps, self.wall_time  # where this job begins
         self._long_steps = long_steps(state, opt, self.t)
         self._interval = OFTEN if opt["fsi_progress"] or sys.stdout.isatty() else USUAL
@@ -262,7 +258,7 @@ class Run(Integrator):
             "options": {k: v for k, v in self.opt.items() if k not in OF_A_RUN},
             "facts": restart.facts(self.state, self.opt),
             "run": self.writer.mark,
-            "memory": self.memory(),
+            "memory": self.memory,
             "result": [self.writer.nframes, self.writer.rows],
         }
         arrays = self.state.capture()
@@ -323,7 +319,7 @@ class Run(Integrator):
         written = self.comm.rank == 0 and self.writer.rows
         series = together(self.comm, lambda: open_run(self.writer.path).series if written else {})
         places = series["x_interface"][-1].tolist() if "x_interface" in series else ()
-        if status == "done" and not self.complete:
+        if status == "done" and self._targets:
             end = f"-ts_max_time {self.opt['ts_max_time']:g}{self.s}"
             message = f"ended by -ts_max_steps at t = {self.t:g}{self.s}, before {end}"
         return {

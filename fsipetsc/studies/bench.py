@@ -168,9 +168,8 @@ def step_time(state: Any, opt: Mapping[str, Any], count: int) -> float:
     from fsipetsc.stepping.integrator import Integrator
 
     nothing = dict.fromkeys(("fsi_output_dt", "fsi_output_times"))
-    integrator = Integrator(state, {**opt, **nothing, "ts_max_steps": count})
     state.set_initial()
-    integrator.start()
+    integrator = Integrator(state, {**opt, **nothing, "ts_max_steps": count})
     state.comm.Barrier()
     integrator.run()
     return 1e6 * state.comm.allreduce(integrator.wall_time, MPI.MAX) / integrator.steps
