@@ -33,11 +33,6 @@ ETA_NARROW = ETA.copy()
 ETA_NARROW[2, 0] = 0.2289158450015872, -0.4914033185443774, 0.1207498614024324, 0.0225285974796345
 
 
-def degree_of(end, p):
-    """The degree of the formulas of an embedded boundary; p: half width of D."""
-    return end.degree or p + 1
-
-
 def distance(layer):
     """From the interface to the embedded boundary, in cells."""
     return np.absolute(layer.end_x - layer.frame[1]) / layer.h
@@ -59,11 +54,10 @@ def lagrange(delta, degree):
     weights, slopes = [], []
     for k in range(degree + 1):
         value, denominator, slope = 1.0, 1.0, 0.0
-        for m in range(degree + 1):
-            if m != k:
-                slope = slope * (delta - m) + value
-                value *= delta - m
-                denominator *= k - m
+        for m in (m for m in range(degree + 1) if m != k):
+            slope = slope * (delta - m) + value
+            value *= delta - m
+            denominator *= k - m
         weights.append(value / denominator)
         slopes.append(slope / denominator)
     return weights, slopes
@@ -117,7 +111,7 @@ class GasEnd:
     def __init__(self, layer):
         self.gas, self.layer, side = layer.material, layer, layer.side
         self.n, self.data, self.points = 2.0 * side - 1.0, layer.given[side], []
-        self.degree, self.delta = degree_of(layer.ends[side], layer.op.p), delta_of(layer)
+        self.degree, self.delta = layer.ends[side].degree or layer.op.p + 1, delta_of(layer)
         # who owns the next point to come in has these in its halo; no layer has fewer
         for k in range(min(NODES, halo_of_rates(layer.op))):
             rho, m, e = (layer.local[c, layer.ghost + (1 - 2 * side) * k] for c in range(3))

@@ -18,7 +18,7 @@ from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
 from fsipetsc.operators.sbp import SBPOperator, row_length
-from fsipetsc.paper.ends import OF_GAS, degree_of
+from fsipetsc.paper.ends import OF_GAS
 from fsipetsc.paper.rates import ROWS, Gas
 from fsipetsc.paper.stencils import halo_of_rates
 from fsipetsc.parallel.block_shares import Extent, Share, share_out
@@ -72,7 +72,7 @@ def grid_of(problem: Problem, k: int, op: SBPOperator, h: float) -> tuple[int, i
     if layer.kind == "fluid":
         # the ghost point is the first one at or beyond the boundary
         cells = int(np.ceil((layer.X[1] - layer.X[0]) / h - 1e-9))
-        degree = degree_of(problem.left if k == 0 else problem.right, op.p)
+        degree = (problem.left if k == 0 else problem.right).degree or op.p + 1
         room = max(SPARE + max(1, cells // 8), cells // 3)
         # the treatment of the interface must not change the points of a boundary's formulas; a
         # new point takes one more than the degree of its extrapolation
@@ -211,6 +211,7 @@ def layers_of(
     """
     halo, h = halo_of_rates(op), opt["fsi_h"]
     closure = np.column_stack([op.norm, op.closure]).astype(float)
+    narrow = opt["fsi_viscous"] == "narrow"
     grids = [grid_of(problem, k, op, h) for k in range(len(problem.layers))]
     least = max(halo, op.rows + 1)
     of_layers = zip(problem.layers, grids, strict=True)
@@ -225,12 +226,13 @@ def layers_of(
         (size, lo, hi, needed), material = grids[k], layer.material
         cuts = (0, *(cut + lo for cut in share.cuts[0][1:-1]), size)
         v = Layer(layer=layer, number=k, h=h, share=Share(share.ranks, (cuts,)), steps=steps)
-        v.is_gas, v.op, v.closure, v.least = layer.kind == "fluid", op, closure, needed
-        v.narrow, v.ends, v.given = (
-            opt["fsi_viscous"] == "narrow",
-            problem.ends(k),
-            np.zeros((2, 5)),
+        v.is_gas, v.op, v.closure, v.least = (
+            layer.kind == "fluid",
+            op,
+            closure.astype(float),
+            needed,
         )
+        v.ends, v.given, v.narrow = problem.ends(k), np.zeros((2, 5)), narrow
         end = v.ends[v.side]
         v.end, v.end_x = OF_GAS.get(type(end)), getattr(end, "x", 0.0)
         v.material = Gas(*material.equations(1)) if v.is_gas else material.elastic

@@ -41,8 +41,6 @@ from fsipetsc.state import State
 _GAS = {"fill": ends.fill_ghost, "rates": rates.gas_rates, "complete": rates.complete_gas}
 _SOLID = {"close": ends.close_solid, "stretch": rates.stretch, "rates": rates.elastic_rates}
 OF_LAYERS = {"fluid": _GAS, "solid": {**_SOLID, "complete": rates.complete_solid}}
-#: what `jumps` of a problem returns
-JUMPS = "g_u", "g_stress", "g_T", "g_flux"
 #: what is noted of a step: from mass on shares of ranks, at interfaces of the owner of the solid
 _AT_INTERFACES = [name for name, one in SERIES.items() if one.of == "interface"]
 NOTED = "t", "dt", "mass", "energy", "momentum", *_AT_INTERFACES
@@ -186,8 +184,8 @@ class PaperState(State):
                     if end is not None:
                         given[:] = end.data(t)
             for k, one in enumerate(self.interfaces if self.problem.jumps else ()):
-                where = f"jumps at interface {k} at t = {t:.6g}"
-                found = checked(self.problem.jumps, (k, t), NOWHERE, JUMPS, where)
+                of = ("g_u", "g_stress", "g_T", "g_flux"), f"jumps at interface {k} at t = {t:.6g}"
+                found = checked(self.problem.jumps, (k, t), NOWHERE, *of)
                 one.jump[:] = np.ravel(found)
             for layer in self.parts.values():
                 layer.set_forcing(t)

@@ -21,7 +21,7 @@ from petsc4py import PETSc
 from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.checks import counted, described, duration
-from fsipetsc.errors import ComputationError, FileError, InputError, Interrupted, call, place_of
+from fsipetsc.errors import ComputationError, InputError, Interrupted, call, place_of
 from fsipetsc.kernels import build
 from fsipetsc.options import OF_A_RUN, read_options
 from fsipetsc.output import file_layout
@@ -39,7 +39,6 @@ from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.notes import first_notes, imaginary_waves, long_steps, of_laws, steep_waves
 from fsipetsc.stepping.restart import Past
 
-PACKAGES = "fsipetsc", "petsc4py", "mpi4py", "numpy"
 #: before the place of what a run that failed has computed
 REMAINS = "; what was computed before is in "
 #: wall seconds between lines of progress; with -fsi_progress or on a terminal
@@ -211,12 +210,13 @@ class Run(Integrator):
         after = None
         if (past := self.past) is not None:
             after = past.header["run"], *past.header["result"], past.header["memory"]["t"]
+        packages = "fsipetsc", "petsc4py", "mpi4py", "numpy"
         header = {
             "case": self.name,
             "options": dict(self.opt),
             "dimension": self.problem.dimension,
             "versions": {
-                **{name: import_module(name).__version__ for name in PACKAGES},
+                **{name: import_module(name).__version__ for name in packages},
                 "python": platform.python_version(),
                 "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
                 "mpi": MPI.Get_library_version().split(",")[0].split("\n")[0],
@@ -287,15 +287,9 @@ class Run(Integrator):
             if isinstance(error, ComputationError):
                 error.args = ("; ".join([str(error), *self._long_steps]),)
         number = self.stop_signal
-        try:
-            self.writer.flush()
-            summary = self._summary(failure)
-            self.writer.finish(summary, found, join=not number)  # there may be no time to join it
-        except FileError as error:
-            if failure is None:
-                raise
-            failure.args = (f"{failure}; {error}",)
-            raise failure from None
+        self.writer.flush()
+        summary = self._summary(failure)
+        self.writer.finish(summary, found, join=not number)  # there may be no time to join it
         where = str(self.writer.path)
         if number:
             where = f"{self.writer.folder} (opened as {self.writer.path.name})"
