@@ -36,7 +36,7 @@ def test_steps_beyond_their_bound_are_noted_at_the_start(tmp_path):
 def test_a_failure_within_a_batch_loses_nothing(tmp_path):
     """Neither steps of the series nor of the summary, as if they had been made one by one."""
     line = "rod -fsi_coupling projection -fsi_h 0.025 -ts_max_time 0.5 -ts_dt 3e-4"
-    found, words = [], ["in layer '", "at x = ", "(X = ", "t = ", ", step ", "computed before"]
+    found, words = [], ["in layer '", "at x = ", ", X = ", "t = ", ", step ", "computed before"]
     for watch in ((), ("-ts_monitor",)):  # which makes batches of one step
         done = solve(*line.split(), *watch, cwd=tmp_path)
         message(done, 3, *words, "; -ts_dt 0.0003 s is ", " times the bound on the step at t = 0")
@@ -68,7 +68,14 @@ def test_what_went_wrong_is_named_and_what_helps(layers, number, field, rate, sa
     line = f"-mad_layers {layers} -mad_layer {number} -mad_rate {rate}"
     words = [CASE, *line.split(), "-mad_field", field, "-mad_time", time, "-fsi_quiet"]
     layer = f"layer '{'gas' if layers[number] == 'g' else 'bar'} {number}'"
-    where = layer, " at x = ", ", t = 0.01", ", step 1", "what usually helps: "
+    where = (
+        layer,
+        " at (x, y) = (",
+        "), (X, Y) = (",
+        ", t = 0.01",
+        ", step 1",
+        "what usually helps: ",
+    )
     for ranks in (1, 3):
         done = solve(*words, "-fsi_output", "mad.h5", cwd=tmp_path, ranks=ranks)
         texts.append(message(done, 3, f"error: {said}", *where))
@@ -172,7 +179,7 @@ def test_a_rod_that_is_crushed(tmp_path):
     """By a shock of ten times its modulus: it fails, not the gas, which has NaN afterwards."""
     line = "shock -shock_problem strong -shock_mach 7 -fsi_order 2 -fsi_h 0.1 -fsi_quiet"
     said = message(solve(*line.split(), cwd=tmp_path, ranks=2), 3, "error: J = -")
-    assert " in layer 'rod' at x = 1.1" in said and "(X = 1), t = 0.02" in said
+    assert " in layer 'rod' at x = 1.1" in said and ", X = 1, t = 0.02" in said
     assert "nan" not in said
 
 

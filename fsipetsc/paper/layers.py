@@ -199,7 +199,8 @@ class Layer(SimpleNamespace):
             x_X = (after - x) / self.h
             p = self.material.pressure(T, x_X)
             modulus = self.material.wave_modulus(T, p, np.minimum(sigma, p), x_X)
-            values = {"x": x, "x_X": x_X, "u": u, "sigma": sigma, "T": T, "m0 c^2": modulus}
+            values = {"x": x, "x_X": x_X, "u": u, "sigma": sigma, "T": T}
+            values["m0 c^2 of waves"] = modulus
         return self.number, self.numbers[own], values, x[:, None], self.X[own, None]
 
 

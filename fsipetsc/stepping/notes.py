@@ -36,7 +36,7 @@ FINEST = {1: 1, 2: 4, 3: 2}
 #: the square of a larger number is none
 TOO_LARGE = 1e150
 #: fields that must be above 0; others need only be finite
-POSITIVE = "rho", "T", "J", "x_X", "m0 c^2"
+POSITIVE = "rho", "T", "J", "x_X", "m0 c^2 of waves"
 #: options where there are shocks -> their values
 AT_SHOCKS = {"fsi_coupling": "conservative", "fsi_dissipation": 1, "fsi_shock": 1}
 #: a part of the run's energy that may be round-off: of a smaller one no share is told
@@ -169,23 +169,16 @@ def check(state: State, opt: Mapping[str, Any], t: float, step: int) -> None:
 def first_bad(state: State) -> str:
     """Describe the first point of all ranks that is not physical, or too large; "" if none is."""
     bad, m = [], state.problem.unit("m")
-    for k, numbers, fields, *places in state.seen():
+    for k, numbers, fields, x, X in state.seen():
         for order, (name, values) in enumerate(fields.items()):
             with np.errstate(all="ignore"):
                 good = (np.abs(values) < TOO_LARGE) & ((values > 0) | (name not in POSITIVE))
             for i in np.flatnonzero(~good)[:1].tolist():
-                what = f"{name} = {values[i]:.6g}"
-                what = what if np.isfinite(values[i]) else f"{name} is not a finite number"
-                if name == "m0 c^2":
-                    what = (
-                        f"waves have become imaginary, their {what}: the law has no meaning here,"
-                    )
-                where, rest = (
-                    ", ".join(f"{c} = {x:.6g}{m}" for c, x in zip(letters, place[i]))
-                    for letters, place in zip(("xyz", "XYZ"), places)
+                number = (
+                    f"= {values[i]:.6g}" if np.isfinite(values[i]) else "is not a finite number"
                 )
-                layer = state.problem.layers[k].name
-                text = f"{what} in layer '{layer}' at {where} ({rest})"
+                where = f"{place_text(x[i], 'xyz')}{m}, {place_text(X[i])}{m}"
+                text = f"{name} {number} in layer '{state.problem.layers[k].name}' at {where}"
                 bad.append((k, int(numbers[i]), order, text))
     every = (found for some in state.comm.allgather(bad) for found in some)
     return min(every, default=("",))[-1]
