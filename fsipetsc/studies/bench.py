@@ -36,9 +36,8 @@ FORMS = {
     "divergence-viscous": ("divergence", True, "-form div -visc 1"),
 }
 COLUMNS = "problem order form n ranks step_us ns_node_rhs other_us ratio speed_up".split()
-_WHAT = "0: the rod; 1, 2, 3: gas | solid in that number of dimensions"
 OPTIONS = (
-    Option("bench_problems", "ints", (0, 1, 2, 3), "", _WHAT, (0, 1, 2, 3)),
+    Option("bench_problems", "ints", (0, 1, 2, 3), "", "0: rod; d of gas | solid", (0, 1, 2, 3)),
     Option("bench_orders", "ints", (4,), "", "operators' orders", (2, 4, 6, 8)),
     Option("bench_form", str, "all", "", "form of gas | solid", ("all", *FORMS)),
     Option("bench_rod", "ints", (480, 3840, 100_000), "", "points of the rod", check="positive"),

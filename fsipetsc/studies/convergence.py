@@ -31,13 +31,9 @@ RESOLVED = 0.1
 POWERS = {"L1": 1, "L2": 2}
 #: names of the cost in the summary of a result
 COST = "points", "steps", "rhs_evaluations", "wall_time"
-_ORDERS = "instead of -fsi_order; default: all, or the case's own if it has no exact solution"
-_SPACINGS = (
-    "grid spacings; default: 2, 1, 1/2 times -fsi_h; in 1-D, with an exact solution, 4, 1/4, too"
-)
 OPTIONS = (
-    Option("fsi_orders", "ints", None, "", _ORDERS, (2, 4, 6, 8)),
-    Option("fsi_hs", "floats", None, "m", _SPACINGS, check="positive"),
+    Option("fsi_orders", "ints", None, "", "default: all with an exact solution", (2, 4, 6, 8)),
+    Option("fsi_hs", "floats", None, "m", "default: -fsi_h times 2, 1, 1/2 …", check="positive"),
 )
 
 

@@ -40,11 +40,10 @@ AT_REST = 1e-9
 #: the differences of neighbours over those of the values, 1 for waves of 6 nodes: central
 #: differences give what alternates from node to node the frequency of a long wave
 SWINGING, ROUGH = 1e-6, 1.0
-_NEXT = "real angular frequency to be near; ring, shell: the slowest"
 OPTIONS = (
     Option("ring_angular", int, 2, "", "waves around a ring", check="nonnegative"),
     Option("modes_count", int, 10, "", "how many modes, slowest first", check="positive"),
-    Option("modes_near", float, 1.0, "1/s", _NEXT, check="positive"),
+    Option("modes_near", float, 1.0, "1/s", "near this; ring, shell: slowest", check="positive"),
 )
 #: case -> options that keep it in a steady state
 STEADY = {

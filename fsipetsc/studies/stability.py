@@ -42,14 +42,12 @@ UNSEEN = 1e-2
 #: eigenvalue of a matrix that is not normal is less certain)
 ENERGY_TOLERANCE, MODE_TOLERANCE = 1e-10, 1e-9
 COUPLINGS, ORDERS = ("conservative", "energy", "projection", "traditional"), tuple(OPERATORS)
-_EOS = "pressure p = G rho epsilon that balances the gas, or none: sigma = -p of the gas"
-_DENSITY = "density of the solid over the gas's; all have the same specific heat of a volume"
 _ABOVE = {"check": "positive"}
 OPTIONS = (
     *materials(fluid_mu=0.01, fluid_kappa=0.03, fluid_gamma=1.4),
     *materials(solid_alpha=2.5, solid_kappa=0.02),
-    Option("solid_eos", str, "ideal", "", _EOS, ("ideal", "elastic")),
-    Option("density_ratios", "floats", (1.0,), "", _DENSITY, **_ABOVE),
+    Option("solid_eos", str, "ideal", "", "p = G rho epsilon, or p = 0", ("ideal", "elastic")),
+    Option("density_ratios", "floats", (1.0,), "", "density of the solid over the gas's", **_ABOVE),
     Option("stiffness_ratios", "floats", (1.0,), "", "K over the gas's pressure", **_ABOVE),
     Option("fsi_coupling", str, "energy", "", "treatment of the interface", COUPLINGS),
     Option("fsi_viscous", str, "wide", "", "D twice, or narrow ones", ("wide", "narrow")),
