@@ -3,6 +3,8 @@
 from fsipetsc.api import run as run
 from fsipetsc.blocks.block import Block as Block
 from fsipetsc.blocks.block_problem import BlockProblem as BlockProblem
+from fsipetsc.blocks.layers import Layer as Layer
+from fsipetsc.blocks.layers import layers as layers
 from fsipetsc.boundaries import Dirichlet as Dirichlet
 from fsipetsc.boundaries import Open as Open
 from fsipetsc.boundaries import SolidEnd as SolidEnd
@@ -16,6 +18,7 @@ from fsipetsc.errors import FileError as FileError
 from fsipetsc.errors import FsiError as FsiError
 from fsipetsc.errors import InputError as InputError
 from fsipetsc.materials.fluid import Fluid as Fluid
+from fsipetsc.materials.solid import ElasticSolid as ElasticSolid
 from fsipetsc.materials.solid import Solid as Solid
 from fsipetsc.options import REQUIRED as REQUIRED
 from fsipetsc.options import Option as Option

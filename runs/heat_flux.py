@@ -13,10 +13,9 @@ of the time, and fluxes are that much larger, as long as sound remains much fast
 
 import numpy as np
 
-from fsipetsc import Block, BlockProblem, Fluid, Option
+from fsipetsc import Block, BlockProblem, ElasticSolid, Fluid, Option
 from fsipetsc.blocks.conditions import NoSlip
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.materials.solid import ElasticSolid
 
 OPTIONS = (
     Option("flux_symmetry", int, 0, "", "0: plane, 1: around an axis, 2: a centre", (0, 1, 2)),

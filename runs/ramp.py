@@ -12,13 +12,12 @@ of it. Velocities are over the speed of sound of the gas that comes in, densitie
 import numpy as np
 from scipy.optimize import brentq
 
-from fsipetsc import Block, BlockProblem, Fluid, Option
+from fsipetsc import Block, BlockProblem, ElasticSolid, Fluid, Option
 from fsipetsc.blocks.conditions import Clamped, Open, Outflow, Roller, Slip
 from fsipetsc.blocks.maps import corners
 from fsipetsc.cases import common
 from fsipetsc.cases.flows import turned_by
 from fsipetsc.cases.riemann import GasState, sound
-from fsipetsc.materials.solid import ElasticSolid
 
 OPTIONS = (
     Option("ramp_mach", float, 2.0, "", "Mach number of the gas that comes in", check="above 1"),

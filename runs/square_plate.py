@@ -6,10 +6,9 @@ It swings between 0 and nearly twice its static deflection, 5.5 um, with its fir
 4.37 kHz (Mindlin's theory for L/d = 20, docs/plates.md). 1,728 steps, a minute of one core.
 """
 
-from fsipetsc import Block, BlockProblem, Option
+from fsipetsc import Block, BlockProblem, ElasticSolid, Option
 from fsipetsc.blocks.conditions import Clamped, Free
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.materials.solid import ElasticSolid
 
 OPTIONS = (
     Option("plate_thickness", float, 0.005, "m", "thickness d of the plate", check="positive"),

@@ -1,9 +1,9 @@
 """The built-in cases and the loading of users' own case files.
 
-A case is a module, or what ``case`` makes. It has OPTIONS, a tuple of Option, and build, a function
-of the options in force (name -> value) that returns a Problem or a BlockProblem. What a file need
-not define is filled in: NAME, that of the result file, SUMMARY, the first line of its docstring,
-and DEFAULTS, name of an option -> default that replaces the common one.
+A case is a module, or what ``case`` makes. It has build, a function of the options in force (name
+-> value) that returns a Problem or a BlockProblem. What a file need not define is filled in: NAME,
+that of the result file, SUMMARY, the first line of its docstring, OPTIONS, a tuple of Option, and
+DEFAULTS, name of an option -> default that replaces the common one.
 """
 
 import importlib
@@ -44,7 +44,7 @@ def _named(case: Any, name: str, documented: Any) -> Any:
     first = (documented.__doc__ or "").strip().partition("\n")[0].rstrip(".")
     if name in BUILT_IN:  # as they are listed
         first = first[:1].lower() + first[1:]
-    about = {"NAME": name, "SUMMARY": first, "DEFAULTS": {}}
+    about = {"NAME": name, "SUMMARY": first, "OPTIONS": (), "DEFAULTS": {}}
     vars(case).update(about | vars(case))
     return case
 
@@ -87,12 +87,10 @@ def _load_file(path: Path) -> ModuleType:
         sys.path.append(str(file.parent))  # for modules of the user's beside the file
     call(exec, (call(compile, (text, str(file), "exec"), what), vars(module)), what)
     _named(module, path.stem, module)
-    if not callable(getattr(module, "build", None)):
-        raise InputError(f"{what}: does not define a function build(opt)")
-    options = getattr(module, "OPTIONS", None)
+    options, defined = module.OPTIONS, callable(getattr(module, "build", None))
     of_options = isinstance(options, (tuple, list)) and all(isinstance(o, Option) for o in options)
-    if not of_options or not isinstance(module.DEFAULTS, Mapping):
-        expected = "OPTIONS, a tuple of Option (of one: with a comma), and DEFAULTS, a dict"
-        raise InputError(f"{what}: expected {expected}; either may be empty")
+    if not (defined and of_options and isinstance(module.DEFAULTS, Mapping)):
+        expected = "a function build(opt); OPTIONS, a tuple of Option (of one: with a comma)"
+        raise InputError(f"{what}: expected {expected}; DEFAULTS, a dict")
     groups(module)
     return module

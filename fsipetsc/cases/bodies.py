@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc import Block, BlockProblem, Fluid, Option
+from fsipetsc import Block, BlockProblem, ElasticSolid, Fluid, Option
 from fsipetsc.blocks.conditions import Centre, Clamped, Free, NoSlip, Outflow, Slip
 from fsipetsc.blocks.maps import Map, Places, annulus, off_axis, rectangle
 from fsipetsc.cases import case, common
@@ -16,7 +16,6 @@ from fsipetsc.cases.riemann import GasState, shock_in_plane
 from fsipetsc.cases.ring import CORE, INNER, OUTER, VESSEL
 from fsipetsc.checks import Array
 from fsipetsc.equations.elementary import tanh
-from fsipetsc.materials.solid import ElasticSolid
 
 #: gas before a shock: the unit of velocity is its speed of sound
 AHEAD = GasState(1.4, 0.0, 1.0)

@@ -3,10 +3,8 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from fsipetsc import BlockProblem, Fluid, Option, Solid
-from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc import BlockProblem, ElasticSolid, Fluid, Layer, Option, Solid, layers
 from fsipetsc.checks import Array
-from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.sbp import OPERATORS
 
 #: the options in force

@@ -2,14 +2,12 @@
 
 import numpy as np
 
-from fsipetsc import BlockProblem, Fluid, InputError, Option
+from fsipetsc import BlockProblem, ElasticSolid, Fluid, InputError, Layer, Option
 from fsipetsc.blocks.conditions import Clamped, Free, Hinge, NoSlip, Open, Outflow, Roller, Slip
-from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases import case, common
 from fsipetsc.cases.common import SHOCKS, Opt, materials
 from fsipetsc.cases.riemann import GAMMA, GasState, behind_shock, sound
 from fsipetsc.equations.elementary import exp, power
-from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.sbp import OPERATORS
 
 
@@ -34,8 +32,7 @@ def blast(opt: Opt) -> BlockProblem:
 
     below = Layer("gas", gas, (0.0, 1.0), start, sides=Slip())
     above = Layer("plate", plate, (1.0, 1.25), common.at_rest(), sides=Roller())
-    ends = {"lower": NoSlip(), "upper": Free(1.0), "along": ((0.0, 1.0),)}
-    return common.stack(opt, below, above, **ends)
+    return common.stack(opt, below, above, lower=NoSlip(), upper=Free(1.0), along=((0.0, 1.0),))
 
 
 @case(
@@ -158,8 +155,7 @@ def step(opt: Opt) -> BlockProblem:
         Layer("before", gas, (0.0, high), flow, span=((0.0, place),), sides=floor),
         Layer("above", gas, (high, 1.0), flow, sides=above, beside=step),
     )
-    walls = {"lower": Slip(), "upper": Slip()}
-    return common.stack(opt, *members, along=((0.0, 3.0),), **walls)
+    return common.stack(opt, *members, along=((0.0, 3.0),), lower=Slip(), upper=Slip())
 
 
 @case(

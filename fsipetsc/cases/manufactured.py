@@ -12,9 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc import BlockProblem, Option
+from fsipetsc import BlockProblem, ElasticSolid, Layer, Option
 from fsipetsc.blocks.conditions import Given, NoSlip
-from fsipetsc.blocks.layers import Layer
 from fsipetsc.blocks.maps import Places
 from fsipetsc.cases import case
 from fsipetsc.cases.bodies import disk_in_gas
@@ -23,7 +22,6 @@ from fsipetsc.checks import Array, Fields
 from fsipetsc.equations import elementary, tensors
 from fsipetsc.equations.vectors import add, along, dot, scale, sub
 from fsipetsc.kernels.symbols import Record, derivatives, replay
-from fsipetsc.materials.solid import ElasticSolid
 
 Numbers = Sequence[Any]
 TURN = 2.0 * np.pi

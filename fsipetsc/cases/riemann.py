@@ -17,16 +17,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from fsipetsc import BlockProblem, Fluid, Option, Problem, Solid
+from fsipetsc import BlockProblem, Fluid, FluidLayer, Layer, Option, Problem, Solid, SolidLayer
 from fsipetsc.blocks.conditions import Clamped, Free, Given, Open, Slip
-from fsipetsc.blocks.layers import Layer
 from fsipetsc.boundaries import Wall, clamped, free
 from fsipetsc.cases import case
 from fsipetsc.cases.common import SHOCKS, Opt, gas_of, materials, solid_of, stack
 from fsipetsc.checks import Array, Fields
 from fsipetsc.errors import InputError
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.problem import FluidLayer, SolidLayer
 
 GAMMA = 1.4
 

@@ -12,13 +12,12 @@ conditions of faces, maps and laws.
 
 import numpy as np
 
-from fsipetsc import Block, BlockProblem, Fluid, Option
+from fsipetsc import Block, BlockProblem, ElasticSolid, Fluid, Option
 from fsipetsc.blocks.conditions import Free, Slip
 from fsipetsc.blocks.maps import annulus
 
 # exp, power: of the same bits on all machines, which numpy's are not
 from fsipetsc.equations.elementary import exp, power
-from fsipetsc.materials.solid import ElasticSolid
 
 OPTIONS = (
     Option("ring_gas", bool, True, "", "gas inside and outside; else the ring is in a vacuum"),

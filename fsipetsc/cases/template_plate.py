@@ -9,10 +9,8 @@ What to expect: it swings between 0 and twice its static deflection with its fir
 Shear adds 3 % to w. docs/plates.md says how many cells and which order do.
 """
 
-from fsipetsc import Fluid, Option
+from fsipetsc import ElasticSolid, Fluid, Layer, Option, layers
 from fsipetsc.blocks.conditions import Free, Hinge, Open, Roller, Slip
-from fsipetsc.blocks.layers import Layer, layers
-from fsipetsc.materials.solid import ElasticSolid
 
 OPTIONS = (
     Option("plate_thickness", float, 0.005, "m", "thickness d of the plate", check="positive"),

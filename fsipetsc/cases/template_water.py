@@ -9,11 +9,10 @@ Korteweg, c = c0/sqrt(1 + (K/E) (D/e)) = 375 m/s, K = rho c0^2; here it is 356 m
 rises by rho c water_speed (Joukowsky), 0.18 MPa. docs/water.md has the theory.
 """
 
-from fsipetsc import Block, BlockProblem, Fluid, Option
+from fsipetsc import Block, BlockProblem, ElasticSolid, Fluid, Option
 from fsipetsc.blocks.conditions import Absorbing, Centre, Free, Open, Roller, Slip
 from fsipetsc.blocks.maps import off_axis, rectangle
 from fsipetsc.equations.elementary import tanh
-from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.stiffened_gas import stiffened_gas
 
 OPTIONS = (

@@ -6,9 +6,8 @@ The modes are found by Chebyshev collocation, an eigenvalue problem across the l
 import numpy as np
 from numpy.polynomial import Chebyshev
 
-from fsipetsc import BlockProblem, FluidLayer, InputError, Problem, SolidLayer, Wall, clamped
+from fsipetsc import BlockProblem, FluidLayer, InputError, Layer, Problem, SolidLayer, Wall, clamped
 from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
-from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases import case
 from fsipetsc.cases.common import Opt, elastic_of, gas_of, materials, solid_of, stack
 from fsipetsc.checks import Array

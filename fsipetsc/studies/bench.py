@@ -17,13 +17,10 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc import BlockProblem, Fluid
+from fsipetsc import BlockProblem, ElasticSolid, Fluid, InputError, Layer, layers
 from fsipetsc.blocks.conditions import Clamped, NoSlip
-from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.cases import case_of, load_case
 from fsipetsc.cases.common import at_rest
-from fsipetsc.errors import InputError
-from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import RUN, Option, defaults
 from fsipetsc.process.together import Comm
 from fsipetsc.studies.trials import USUAL, Study
@@ -37,7 +34,7 @@ FORMS = {
 }
 COLUMNS = "problem order form n ranks step_us ns_node_rhs other_us ratio speed_up".split()
 OPTIONS = (
-    Option("bench_problems", "ints", (0, 1, 2, 3), "", "0: rod; d of gas | solid", (0, 1, 2, 3)),
+    Option("bench_problems", "ints", (0, 1, 2, 3), "", "0: rod; 1 to 3: blocks", (0, 1, 2, 3)),
     Option("bench_orders", "ints", (4,), "", "operators' orders", (2, 4, 6, 8)),
     Option("bench_form", str, "all", "", "form of gas | solid", ("all", *FORMS)),
     Option("bench_rod", "ints", (480, 3840, 100_000), "", "points of the rod", check="positive"),

@@ -7,7 +7,6 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field
-from functools import partial
 from importlib.resources import files
 from importlib.util import find_spec
 from itertools import count, pairwise
@@ -18,9 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc import run
+from fsipetsc import ComputationError, InputError, run
 from fsipetsc.checks import Array
-from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import RUN, Option, read_options, read_table
 from fsipetsc.output import drawing
@@ -240,9 +238,9 @@ class Study:
         """Yield the rows of each order that a function makes of trials, on grids from coarse to
         fine: order -> spacings. Results are in a folder beside the table, which is removed.
         """
-        where = {"dir": self.path.parent, "prefix": f"{self.path.stem}-"}
-        made = partial(TemporaryDirectory, **where, ignore_cleanup_errors=True)
-        with self.on_first(made) or nullcontext() as folder:
+        where, prefix = self.path.parent, f"{self.path.stem}-"
+        made = self.on_first(lambda: TemporaryDirectory(dir=where, prefix=prefix))
+        with made or nullcontext() as folder:
             folder = Path(self.comm.bcast(folder))
             for order, spacings in grids.items():
                 rows: dict[str, Row] = {}
