@@ -38,8 +38,7 @@ def test_theorem_4_1_holds_to_round_off(order, state):
         ("conservative", "wide", RATIOS[order % 4 // 2]),
     ):
         result = measure(*at_contact(*ratios, **state), order, N, 1 / N, coupling, viscous)
-        assert result.estimate and result.stable and result.step_kept
-        assert result.energy < 1e-11 and result.step_ratio < 4.0
+        assert result.energy < 1e-11 and result.growth < 1e-9 and 1.0 <= result.step_ratio < 4.0
 
 
 @ORDERS
@@ -48,7 +47,7 @@ def test_projection_and_traditional(order):
     for density, stiffness in RATIOS:
         state = at_contact(density, stiffness, balance=0.0)
         result = measure(*state, order, 2 * N, 0.5 / N, "projection")
-        assert result.energy > 1e-4 and result.stable and result.step_kept
+        assert result.energy > 1e-4 and result.growth < 1e-9 and result.step_ratio >= 1.0
     how = order, N, 1 / N, "traditional"
     light, heavy = (measure(*at_contact(density, 1.0), *how) for density in (1e-3, 1e3))
     assert light.energy > 1.0 and light.step_ratio < 0.4 * heavy.step_ratio
@@ -59,7 +58,9 @@ def test_energy_holds_everywhere(tmp_path):
     well(solve("stability", *words, cwd=tmp_path, ranks=2))
     rows = rows_of(tmp_path / "stability.csv")
     assert len(rows) == 4 * 4
-    assert all(row[n] == "True" for row in rows for n in ("estimate", "stable", "step_kept"))
+    for name, most in (("energy", 1e-10), ("growth", 1e-9)):
+        assert max(float(row[name]) for row in rows) <= most
+    assert min(float(row["step_ratio"]) for row in rows) >= 1.0
     done = solve("stability", *words, "-fsi_coupling", "traditional", cwd=tmp_path)
     message(done, 3, "breaks its promise in 5 of 16 rows, first at order ", "see stability.csv")
 

@@ -1,16 +1,16 @@
 """The built-in cases and the loading of users' own case files.
 
-A case is a module, or what ``case`` makes. It has build, a function of the options in force (name
--> value) that returns a Problem or a BlockProblem. What a file need not define is filled in: NAME,
-that of the result file, SUMMARY, the first line of its docstring, OPTIONS, a tuple of Option, and
-DEFAULTS, name of an option -> default that replaces the common one.
+A case is a module, or what ``common.case`` makes. It has build, a function of the options in force
+(name -> value) that returns a Problem or a BlockProblem. What a file need not define is filled in:
+NAME, that of the result file, SUMMARY, the first line of its docstring, OPTIONS, a tuple of Option,
+and DEFAULTS, name of an option -> default that replaces the common one.
 """
 
 import importlib
 import os
 import re
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -33,13 +33,7 @@ _FILES = {
 BUILT_IN = {name: file for file, names in _FILES.items() for name in names.split()}
 
 
-def case(defaults: Mapping[str, Any], *options: Option) -> Callable[[Any], SimpleNamespace]:
-    """Make a case of its function build, which has its name and tells what it is about."""
-    about = {"OPTIONS": options, "DEFAULTS": dict(defaults)}
-    return lambda build: _named(SimpleNamespace(**about, build=build), build.__name__, build)
-
-
-def _named(case: Any, name: str, documented: Any) -> Any:
+def named(case: Any, name: str, documented: Any) -> Any:
     """Give a case the name and the first line of a docstring, unless it has its own."""
     first = (documented.__doc__ or "").strip().partition("\n")[0].rstrip(".")
     if name in BUILT_IN:  # as they are listed
@@ -54,7 +48,7 @@ def load_case(name_or_path: str, also: Sequence[str] = ()) -> Any:
     if name_or_path in BUILT_IN:
         file = importlib.import_module(f"fsipetsc.cases.{BUILT_IN[name_or_path]}")
         # ring.py is a case, and a template
-        return getattr(file, name_or_path, None) or _named(file, name_or_path, file)
+        return getattr(file, name_or_path, None) or named(file, name_or_path, file)
     if name_or_path.endswith(".py") or os.sep in name_or_path:
         return _load_file(Path(name_or_path))
     if name_or_path.endswith(".h5") and os.path.isfile(name_or_path):
@@ -86,7 +80,7 @@ def _load_file(path: Path) -> ModuleType:
     if str(file.parent) not in sys.path:
         sys.path.append(str(file.parent))  # for modules of the user's beside the file
     call(exec, (call(compile, (text, str(file), "exec"), what), vars(module)), what)
-    _named(module, path.stem, module)
+    named(module, path.stem, module)
     options, defined = module.OPTIONS, callable(getattr(module, "build", None))
     of_options = isinstance(options, (tuple, list)) and all(isinstance(o, Option) for o in options)
     if not (defined and of_options and isinstance(module.DEFAULTS, Mapping)):

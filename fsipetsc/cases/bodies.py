@@ -10,8 +10,8 @@ import numpy as np
 from fsipetsc import Block, BlockProblem, ElasticSolid, Fluid, Option
 from fsipetsc.blocks.conditions import Centre, Clamped, Free, NoSlip, Outflow, Slip
 from fsipetsc.blocks.maps import Map, Places, annulus, off_axis, rectangle
-from fsipetsc.cases import case, common
-from fsipetsc.cases.common import SHOCKS, Opt, materials
+from fsipetsc.cases import common
+from fsipetsc.cases.common import SHOCKS, Opt, case, materials
 from fsipetsc.cases.riemann import GasState, shock_in_plane
 from fsipetsc.cases.ring import CORE, INNER, OUTER, VESSEL
 from fsipetsc.checks import Array

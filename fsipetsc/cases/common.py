@@ -1,9 +1,11 @@
 """What the built-in cases share: options of materials, states at rest, stacks of layers."""
 
 from collections.abc import Callable, Mapping
+from types import SimpleNamespace
 from typing import Any
 
 from fsipetsc import BlockProblem, ElasticSolid, Fluid, Layer, Option, Solid, layers
+from fsipetsc.cases import named
 from fsipetsc.checks import Array
 from fsipetsc.operators.sbp import OPERATORS
 
@@ -26,6 +28,12 @@ _KNOWN = {
     "solid_lambda": ("Pa", "lambda_e of the solid", None, "nonnegative"),
     "solid_gruneisen": ("", "p of the solid over rho epsilon; 0: elastic", None, "nonnegative"),
 }
+
+
+def case(defaults: Mapping[str, Any], *options: Option) -> Callable[[Any], Any]:
+    """Make a case of its function build, which has its name and tells what it is about."""
+    about = {"OPTIONS": options, "DEFAULTS": dict(defaults)}
+    return lambda build: named(SimpleNamespace(**about, build=build), build.__name__, build)
 
 
 def materials(**defaults: Any) -> tuple[Option, ...]:

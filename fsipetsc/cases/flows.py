@@ -4,8 +4,8 @@ import numpy as np
 
 from fsipetsc import BlockProblem, ElasticSolid, Fluid, InputError, Layer, Option
 from fsipetsc.blocks.conditions import Clamped, Free, Hinge, NoSlip, Open, Outflow, Roller, Slip
-from fsipetsc.cases import case, common
-from fsipetsc.cases.common import SHOCKS, Opt, materials
+from fsipetsc.cases import common
+from fsipetsc.cases.common import SHOCKS, Opt, case, materials
 from fsipetsc.cases.riemann import GAMMA, GasState, behind_shock, sound
 from fsipetsc.equations.elementary import exp, power
 from fsipetsc.operators.sbp import OPERATORS

@@ -6,8 +6,7 @@ import numpy as np
 
 from fsipetsc import FluidLayer, InputError, Option, Problem, SolidLayer
 from fsipetsc.boundaries import Dirichlet, Open, Wall, absorbing, clamped
-from fsipetsc.cases import case
-from fsipetsc.cases.common import Opt, constant, gas_of, line_at_rest, materials, solid_of
+from fsipetsc.cases.common import Opt, case, constant, gas_of, line_at_rest, materials, solid_of
 from fsipetsc.cases.manufactured import recorded
 from fsipetsc.equations.elementary import exp, power
 from fsipetsc.kernels.symbols import derivatives

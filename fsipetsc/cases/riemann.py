@@ -20,8 +20,7 @@ from numpy.polynomial import Polynomial
 from fsipetsc import BlockProblem, Fluid, FluidLayer, Layer, Option, Problem, Solid, SolidLayer
 from fsipetsc.blocks.conditions import Clamped, Free, Given, Open, Slip
 from fsipetsc.boundaries import Wall, clamped, free
-from fsipetsc.cases import case
-from fsipetsc.cases.common import SHOCKS, Opt, gas_of, materials, solid_of, stack
+from fsipetsc.cases.common import SHOCKS, Opt, case, gas_of, materials, solid_of, stack
 from fsipetsc.checks import Array, Fields
 from fsipetsc.errors import InputError
 from fsipetsc.materials.solid import ElasticSolid

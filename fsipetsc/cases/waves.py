@@ -8,8 +8,7 @@ from numpy.polynomial import Chebyshev
 
 from fsipetsc import BlockProblem, FluidLayer, InputError, Layer, Problem, SolidLayer, Wall, clamped
 from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
-from fsipetsc.cases import case
-from fsipetsc.cases.common import Opt, elastic_of, gas_of, materials, solid_of, stack
+from fsipetsc.cases.common import Opt, case, elastic_of, gas_of, materials, solid_of, stack
 from fsipetsc.checks import Array
 
 #: points of the collocation in either layer

@@ -27,8 +27,6 @@ from fsipetsc.studies.trials import ROUND_OFF, Row, Study, Trial, picture
 
 #: relative differences of grids that resolve a solution are smaller
 RESOLVED = 0.1
-#: norm -> the power of the errors of which it takes the mean
-POWERS = {"L1": 1, "L2": 2}
 #: names of the cost in the summary of a result
 COST = "points", "steps", "rhs_evaluations", "wall_time"
 OPTIONS = (
@@ -64,7 +62,8 @@ def convergence(arguments: list[str], comm: Comm) -> None:
     study.say(f"{about}, {counted(comm.size, 'rank')}\n")
     own = {name: opt[name] for name in defaults(case)}
     own |= {"fsi_output_dt": None, "fsi_output_times": end}
-    power, runs, combined = POWERS[norm], defaultdict[int, list[Run]](list), list[Row]()
+    power = {"L1": 1, "L2": 2}[norm]  # of the errors, of which the norm takes the mean
+    runs, combined = defaultdict[int, list[Run]](list), list[Row]()
 
     def one(trial: Trial) -> None:
         """Run the case on a grid; compare it, or all grids of this order after the last one."""

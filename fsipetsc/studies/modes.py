@@ -32,8 +32,6 @@ Real, Complex = NDArray[np.float64], NDArray[np.complex128]
 CENTRAL = (1, 2 / 3), (-1, -2 / 3), (2, -1 / 12), (-2, 1 / 12)
 #: least disturbance, as a fraction of what there is
 NUDGE = 2.0**-10
-#: |z| at which each mode is amplified, and round-off of |R|
-FARTHEST, ROUND_OFF = 3.2, 1e-12
 #: what moves by less than this part of the rate of a mode is at rest
 AT_REST = 1e-9
 #: how much a mode swings at least, over the largest |lambda|; how rough it may be, the squares of
@@ -133,11 +131,11 @@ def step_limit(spectrum: Complex) -> float:
     radius = float(np.abs(spectrum).max())
     modes = (np.minimum(spectrum.real, 0.0) + 1j * spectrum.imag) / radius
 
-    def excess(x: float) -> float:
+    def excess(x: float) -> float:  # above round-off
         z = x * modes
-        return float(np.abs(1 + z * (1 + z / 2 * (1 + z / 3 * (1 + z / 4)))).max()) - 1 - ROUND_OFF
+        return float(np.abs(1 + z * (1 + z / 2 * (1 + z / 3 * (1 + z / 4)))).max()) - 1 - 1e-12
 
-    return float(brentq(excess, 0.0, FARTHEST)) / radius
+    return float(brentq(excess, 0.0, 3.2)) / radius  # at |z| = 3.2 each mode is amplified
 
 
 def radial_modes(problem: Any, opt: Mapping[str, Any], n: int = 0) -> Complex:

@@ -62,31 +62,25 @@ def joined(layers: Sequence[Any], frame: int) -> dict[str, Array]:
     return {name: np.concatenate([part[name].ravel() for part in parts]) for name in parts[0]}
 
 
-#: of the vortex: where it is at first [m], velocity of the gas around it [m/s]
-CENTRE, SPEED = (-0.3, -0.2), (0.5, 0.3)
-
-
-def vortex_at(X: Array, Y: Array, t: float = 0.0) -> list[Array]:
-    """Return rho, u, v, T by the formulas of the text."""
-    x, y = X - CENTRE[0] - SPEED[0] * t, Y - CENTRE[1] - SPEED[1] * t
-    bell = np.exp(1.0 - x * x - y * y)
-    swirl, q = 0.4 * np.sqrt(bell), 1.0 - 0.16 / 7.0 * bell
-    return [q**2.5, SPEED[0] - swirl * y, SPEED[1] + swirl * x, q]
-
-
-def moved(X: Array, Y: Array, t: float) -> list[Array]:
-    """Return places of the sides."""
-    size = 0.3 * np.sin(2.0 * t)
-    return [X + size * np.sin(np.pi * Y / 4 + 0.4), Y + size * np.sin(np.pi * X / 4)]
-
-
 @entry({**dict.fromkeys((4, 2, 6), (4, 8, 16)), 8: (8, 16, 32)})
 def vortex(trial: Trial) -> None:
     """An isentropic vortex on four curved blocks that move. With 2/1 dissipation takes first
     differences.
     """
     gas, blocks, faces, n = Fluid(0.0, 0.0, 1.4, 1.0), [], {}, round(4.0 / trial.h)
-    side = Given(values=lambda X, Y, t: vortex_at(*moved(X, Y, t), t), x=moved)
+    centre, speed = (-0.3, -0.2), (0.5, 0.3)  # of the vortex, at first; of the gas around it
+
+    def flow(X: Array, Y: Array, t: float = 0.0) -> list[Array]:
+        x, y = X - centre[0] - speed[0] * t, Y - centre[1] - speed[1] * t
+        bell = np.exp(1.0 - x * x - y * y)
+        swirl, q = 0.4 * np.sqrt(bell), 1.0 - 0.16 / 7.0 * bell
+        return [q**2.5, speed[0] - swirl * y, speed[1] + swirl * x, q]
+
+    def moved(X: Array, Y: Array, t: float) -> list[Array]:
+        size = 0.3 * np.sin(2.0 * t)
+        return [X + size * np.sin(np.pi * Y / 4 + 0.4), Y + size * np.sin(np.pi * X / 4)]
+
+    side = Given(values=lambda X, Y, t: flow(*moved(X, Y, t), t), x=moved)
     for j, i in product((0, 1), (0, 1)):
 
         def place(xi: Any, i: int = i, j: int = j) -> list[Array]:
@@ -95,13 +89,13 @@ def vortex(trial: Trial) -> None:
             bumps = np.sin(p) * np.sin(q + 0.5), np.sin(p + 0.3) * np.sin(q)
             return [a + 0.15 * bumps[0], b + 0.15 * bumps[1]]
 
-        blocks.append(Block(f"{i}{j}", gas, place, (n, n), vortex_at))
+        blocks.append(Block(f"{i}{j}", gas, place, (n, n), flow))
         faces |= {(f"{i}{j}", 0, i): side, (f"{i}{j}", 1, j): side}
     layers = trial.solve(BlockProblem(tuple(blocks), faces, units="none"), 1.0).layers
     table, order = reference("gas"), trial.closures if trial.order > 2 else 1.0
     some, frame = np.isfinite(table["r"]), joined(layers, -1)
-    z = frame["x"] + 1j * frame["y"] - complex(*CENTRE) - complex(*SPEED)
-    velocity = frame["u"] + 1j * frame["v"] - complex(*SPEED)
+    z = frame["x"] + 1j * frame["y"] - complex(*centre) - complex(*speed)
+    velocity = frame["u"] + 1j * frame["v"] - complex(*speed)
     of_r = (smooth(table["r"][some], table[f"vortex {name}"][some]) for name in ("rho", "u", "p"))
     rho, u, p = (field(abs(z)) for field in of_r)
     turning = 1j * z / np.maximum(abs(z), 1e-300) * u
