@@ -74,7 +74,7 @@ def logarithm_rest(less: Any, x: Any) -> Any:
     near = (x > np.sqrt(0.5)) & (x < np.sqrt(2.0))
     f = np.where(near, less, 0.0)
     s, half = f / (2.0 + f), 0.5 * f * f
-    return np.where(near, half - s * (half + _remainder(s * s)), less - np.log(x))[()]
+    return np.where(near, half - s * (half + _remainder(s * s)), less - np.log(x))
 
 
 def _remainder(z: Any) -> Any:

@@ -91,16 +91,14 @@ def determinant_excess(F: Tensor) -> Any:
 
 
 def twice_strain(F: Tensor) -> Tensor:
-    """F^T F - 1, twice the strain of Green."""
-    d = isqrt(len(F))
-    return tuple(_twice_strain(F, i, j) for i in range(d) for j in range(d))
+    """F^T F - 1, twice the strain of Green, with F_ii^2 - 1 as a product."""
+    every, columns = range(isqrt(len(F))), rows(transpose(F))
 
+    def term(i: int, j: int, k: int) -> Any:
+        a, b = columns[i][k], columns[j][k]
+        return (a - 1.0) * (b + 1.0) if i == j == k else a * b
 
-def _twice_strain(F: Tensor, i: int, j: int) -> Any:
-    """An entry: F_ki F_kj summed over k, but F_ii^2 - 1 as a product."""
-    columns = rows(transpose(F))
-    pairs = zip(columns[i], columns[j], strict=True)
-    return total((a - 1.0) * (b + 1.0) if i == j == k else a * b for k, (a, b) in enumerate(pairs))
+    return tuple(total(term(i, j, k) for k in every) for i in every for j in every)
 
 
 def shear_excess(F: Tensor) -> Any:
@@ -114,7 +112,7 @@ def shear_excess(F: Tensor) -> Any:
         j = determinant_excess(F)
         c, s = (F[0] - 1.0) - (F[3] - 1.0), F[1] + F[2]
         return c * c + s * s - j * j
-    xx, xy, xz, yy, yz, zz = (_twice_strain(F, i, j) for i in range(3) for j in range(i, 3))
+    xx, xy, xz, _, yy, yz, _, _, zz = twice_strain(F)
     second = (xx * yy - xy * xy) + (xx * zz - xz * xz) + (yy * zz - yz * yz)
     third = xx * (yy * zz - yz * yz) + xy * (yz * xz - xy * zz) + xz * (xy * yz - yy * xz)
     return -(second + third)

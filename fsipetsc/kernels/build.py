@@ -92,14 +92,9 @@ def found(name: str) -> ctypes.CDLL | None:
     if name not in _loaded:
         with suppress(OSError):
             content = (path := folder() / name).read_bytes()
-            if content.endswith(_end(content[:-32])):
+            if hashlib.sha256(content[:-32]).digest() == content[-32:]:
                 _loaded[name] = ctypes.CDLL(str(path))
     return _loaded.get(name)
-
-
-def _end(library: bytes) -> bytes:
-    """The 32 bytes with which the file of a library ends."""
-    return hashlib.sha256(library).digest()
 
 
 def loaded(name: str, given: Mapping[str, bytes]) -> ctypes.CDLL:
@@ -147,7 +142,7 @@ def made(texts: Mapping[str, str]) -> dict[str, bytes]:
         Path(f"{path}.c").write_text(texts[name])
         _run([*command, f"{path}.c", "-o", path, "-lm"])
         library = Path(path).read_bytes()
-        return library + _end(library)
+        return library + hashlib.sha256(library).digest()
 
     try:
         with TemporaryDirectory(prefix="fsipetsc-") as place:

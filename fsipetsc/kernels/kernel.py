@@ -37,16 +37,13 @@ SHARED = "{c}"
 
 
 class Kernel:
-    """See the head of this file. name: of the function in C; says: a sentence on what it does.
-    counted: the condition that it counts, if any.
-    """
+    """See the head of this file. name: of the function in C; says: a sentence on what it does."""
 
     def __init__(self, name: str, says: str) -> None:
         self.name, self.says, self.record = name, says, Record()
         self._arguments = {"n": "long "}
         self._stores: list[tuple[str, Symbol]] = []
         self._offsets = dict[str, str]()
-        self.counted: Symbol | None = None
 
     def read(self, array: str, layout: str, count: int, first: int = 0) -> tuple[Symbol, ...]:
         """The components ``first`` and so on of an item."""
@@ -81,8 +78,7 @@ class Kernel:
 
     def count(self, condition: Any) -> None:
         """Let the function return for how many items a condition holds."""
-        self.counted = self.record.constant(condition)
-        self._stores.append(("counted +=", self.counted))
+        self._stores.append(("counted +=", self.record.constant(condition)))
 
     def _places(self, array: str, layout: str, count: int, first: int) -> list[str]:
         self._declare(layout.replace("{c}", "").replace("{i}", ""))
@@ -95,20 +91,16 @@ class Kernel:
             if name != "ROW" and name not in self._offsets.values():
                 self._arguments[name] = "const long *restrict " if bracket else "long "
 
-    def __call__(self, n: Any, **given: Any) -> Symbol | None:
+    def __call__(self, n: Any, **given: Any) -> Symbol:
         """Let a procedure run the kernel over n items. An array is given from its first item on.
-        Returns how many items were counted, of a kernel that counts.
+        Returns how many items were counted.
         """
         record, known = recording(), {"n": n, **given}
         values = [known[name] for name in sorted(self._arguments)]
         call = f"{self.name}({', '.join(['{}'] * len(values))});"
-        record.stores += 1
-        same = record.kernels.setdefault(self.name, self)
-        assert same is self or same.text == self.text, f"two kernels have the name {self.name}"
-        if self.counted is None:
-            record.line(call, *values)
-            return None
         record.line(f"const long {(name := record.new('n'))} = {call}", *values)
+        record.stores += 1
+        record.kernels[self.text] = None
         return record.given(name, kind="long")
 
     @cached_property
@@ -120,19 +112,19 @@ class Kernel:
         stores = [Line(f"{place} {{}};", (v,)) for (place, _), v in zip(self._stores, values)]
         before: list[Any] = [symbol for symbol in record.symbols if symbol.uniform]
         within = [symbol for symbol in record.symbols if not symbol.uniform]
-        counts = self.counted is not None
-        loop = f'ITEMS("omp simd{" reduction(+ : counted)" * counts}",'
+        counts = any(place == "counted +=" for place, _ in self._stores)
+        loop = Line(f'ITEMS("omp simd{" reduction(+ : counted)" * counts}",')
         before += [Line(f"const long {name} = {text};") for text, name in self._offsets.items()]
-        items = [*before, Line(loop), *within, *stores, Line(")")]
+        items = [*before, loop, *within, *stores, Line(")")]
         given = (f"{kind}{name}" for name, kind in sorted(self._arguments.items()))
         return "\n".join(
             [
                 f"/* {self.says} */",
-                f"static NOINLINE {'long' if counts else 'void'} {self.name}(",
+                f"static NOINLINE long {self.name}(",
                 "    " + ",\n    ".join(given) + ") {",
-                *["  long counted = 0;"] * counts,
+                "  long counted = 0;",
                 *printed(record, items),
-                *["  return counted;"] * counts,
+                "  return counted;",
                 "}\n",
             ]
         )

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from itertools import accumulate, zip_longest
 from math import prod
+from operator import mul
 from typing import Any
 
 import numpy as np
@@ -27,13 +28,13 @@ class Recording(Record):
     """The symbols and lines of a procedure; a symbol is known between the braces where it was made.
 
     items: Symbols and Lines in their order. stores: how many there were, as what is read after one
-    may be another number. kernels: those that are called, by name.
+    may be another number. kernels: the texts of those that are called, in their order.
     """
 
     def __init__(self) -> None:
         super().__init__()
         self.items, self._within = list[Symbol | Line](), [list[Any]()]
-        self.stores, self.count, self.kernels = 0, 0, dict[str, Any]()
+        self.stores, self.count, self.kernels = 0, 0, dict[str, None]()
 
     def __enter__(self) -> "Recording":
         _recordings.append(self)
@@ -154,11 +155,6 @@ class variable:
         self._record.store(self._name, number)
 
 
-def _times(step: Any, n: Any) -> Any:
-    """step n; most steps are 1, which needs no symbol."""
-    return n if isinstance(step, WHOLE) and step == 1 else n * step
-
-
 class Array:
     """The stand-in of an array, or of a part of one. base: where the whole array begins. shape:
     (None,) of one whose size is not known. at: terms of the number at which the part begins. steps:
@@ -172,7 +168,7 @@ class Array:
 
     @property
     def _steps(self) -> tuple[Any, ...]:
-        return self._apart or tuple(accumulate(self.shape[:0:-1], _times, initial=1))[::-1]
+        return self._apart or tuple(accumulate(self.shape[:0:-1], mul, initial=1))[::-1]
 
     @property
     def size(self) -> Any:
@@ -219,7 +215,7 @@ class Array:
             ends = (index.start, index.stop) if is_part else (index, None)
             first, last = (length + n if isinstance(n, WHOLE) and n < 0 else n for n in ends)
             if first is not None:
-                begin.append(_times(step, first))
+                begin.append(first * step)
             if is_part:
                 last = length if last is None else last
                 shape.append(last if first is None else last - first)

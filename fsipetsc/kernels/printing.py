@@ -106,13 +106,12 @@ def _power_of(value: float | None) -> int | None:
 
 class _Rewriting:
     """record: the new one. of: number of an old symbol -> core and exponent; uses: number of a core
-    -> how often it is an operand; with_uniform: number of a symbol -> what `_has_uniform` says.
+    -> how often it is an operand.
     """
 
     def __init__(self, wanted: Sequence[Symbol]) -> None:
         self.record, uses = Record(), uses_of(wanted)
         self.of, self.uses = dict[int, tuple[Symbol, int]](), Counter[int]()
-        self.with_uniform = dict[int, bool]()
         for symbol in needed(wanted):
             self.of[symbol.number] = core, _ = self._made(symbol)
             self.uses[core.number] += uses[symbol.number]
@@ -128,8 +127,8 @@ class _Rewriting:
         apply = self.record.apply
         if n and x.operation == "*" and not x.uniform:
             first, second = sorted(x.operands, key=lambda f: self.uses[f.number])
-            if self._has_uniform(x):
-                first, second = sorted(x.operands, key=self._has_uniform)
+            if _has_uniform(x):
+                first, second = sorted(x.operands, key=_has_uniform)
                 return apply("*", first, self._scaled(second, n))
             if self.uses[x.number] < 2:
                 return apply("*", first, apply("*", 2.0**n, second))
@@ -160,23 +159,22 @@ class _Rewriting:
         elif operation in ("+", "-", "maximum", "minimum") and m == n:
             return apply(operation, a, b), m
         elif operation in ("+", "-"):  # the term takes the difference for which it costs least
-            if self._cost(b) < self._cost(a):
+            if _cost(b) < _cost(a):
                 return apply(operation, a, self._scaled(b, n - m)), m
             return apply(operation, self._scaled(a, m - n), b), n
         return apply(operation, *map(self.whole, symbol.operands)), 0
 
-    def _cost(self, x: Symbol) -> int:
-        """How much a multiplication of a term by a power of two costs: nothing before the loop, or
-        with a factor that all nodes share; little where it is fused with the sum.
-        """
-        return 0 if self._has_uniform(x) else 2 if x.operation == "*" else 1
 
-    def _has_uniform(self, x: Symbol) -> bool:
-        """Whether all nodes share a number, or a factor of a product."""
-        if x.number not in self.with_uniform:
-            shared = x.uniform or (x.operation == "*" and any(map(self._has_uniform, x.operands)))
-            self.with_uniform[x.number] = shared
-        return self.with_uniform[x.number]
+def _cost(x: Symbol) -> int:
+    """How much a multiplication of a term by a power of two costs: nothing before the loop, or with
+    a factor that all nodes share; little where it is fused with the sum.
+    """
+    return 0 if _has_uniform(x) else 2 if x.operation == "*" else 1
+
+
+def _has_uniform(x: Symbol) -> bool:
+    """Whether all nodes share a number, or a factor of a product."""
+    return x.uniform or (x.operation == "*" and any(map(_has_uniform, x.operands)))
 
 
 def without_halves(wanted: Sequence[Symbol]) -> tuple[Record, list[Symbol]]:

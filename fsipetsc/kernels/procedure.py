@@ -28,6 +28,7 @@ import numpy as np
 from fsipetsc.kernels.kernel import c_source
 from fsipetsc.kernels.loops import Array, Recording
 from fsipetsc.kernels.printing import printed
+from fsipetsc.kernels.symbols import Symbol
 
 _POINTER, _ZERO = ctypes.c_void_p, np.zeros(1)
 
@@ -59,7 +60,7 @@ def _pointers(vectors: Sequence[np.ndarray]) -> tuple[int, int]:
 
 class Procedure(Called):
     """A recorded procedure, which can be called once its code is loaded. text: the C function.
-    kernels: those that it calls, by name.
+    kernels: the texts of those that it calls.
     """
 
     def __init__(self, name: str, function: Callable[..., None], *records: Any) -> None:
@@ -81,13 +82,12 @@ class Procedure(Called):
             known = value.dtype.kind in "fi" and value.itemsize == 8
             if not (known and value.flags.c_contiguous):
                 raise TypeError(f"{name} is of {value.dtype}: expected contiguous float64 or int64")
-            base = record.given(self._field(name, value), kind=_kind(value))
-            sizes = (self._field(f"{name}_n{k}", n) for k, n in enumerate(value.shape))
-            return Array(base, [record.given(size, kind="long") for size in sizes])
-        if isinstance(value, (float, np.floating)):
-            return record.given(self._field(name, float(value)), uniform=True)
+            sizes = (self._given(f"{name}_n{k}", n, record) for k, n in enumerate(value.shape))
+            return Array(self._given(name, value, record), tuple(sizes))
+        if isinstance(value, float):
+            return self._given(name, value, record)
         if isinstance(value, (int, np.integer)) and not isinstance(value, bool):
-            return record.given(self._field(name, int(value)), kind="long")
+            return self._given(name, int(value), record)
         if isinstance(value, tuple):
             names = getattr(value, "_fields", range(len(value)))
             pairs = zip(names, value, strict=True)
@@ -99,11 +99,11 @@ class Procedure(Called):
             return made
         return value
 
-    def _field(self, name: str, value: Any) -> str:
+    def _given(self, name: str, value: Any, record: Recording) -> Symbol:
         while name in self._values:
             name += "_"
         self._values[name] = value
-        return name
+        return record.given(name, uniform=isinstance(value, float), kind=_kind(value))
 
     def _text(self, says: str, record: Recording) -> str:
         lines = printed(record, record.items)
@@ -173,12 +173,8 @@ class Code:
 
     @property
     def text(self) -> str:
-        kernels = dict[str, Any]()
-        for name, one in (pair for of in self.procedures for pair in of.kernels.items()):
-            same = kernels.setdefault(name, one)
-            assert same is one or same.text == one.text, f"two kernels have the name {name}"
-        every = *kernels.values(), *self.procedures
-        return unit(self._text, *(one.text for one in every))
+        kernels = dict.fromkeys(text for one in self.procedures for text in one.kernels)
+        return unit(self._text, *kernels, *(one.text for one in self.procedures))
 
     def load(self, library: ctypes.CDLL) -> None:
         """Take the functions from the compiled text."""

@@ -142,11 +142,6 @@ class Symbol(NDArrayOperatorsMixin):
 
     __int__ = __index__ = __complex__ = __float__  # type: ignore[assignment]
 
-    def __getitem__(self, at: Any) -> Any:  # Python's for asks for [0], too
-        if at == ():  # by which numpy makes a number of an array without axes
-            return self
-        raise refuse("it takes one number for several")
-
     def __hash__(self) -> int:
         return id(self)
 

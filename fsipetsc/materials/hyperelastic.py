@@ -65,8 +65,8 @@ class NeoHookean(NamedTuple):
         return self.mu_e + np.maximum(self._s(F), 0.0) * largest_stretch(cofactor(F))
 
     def _s(self, F):
-        J = determinant(F)
-        return (self.lambda_e * (1.0 - np.log(J)) + self.mu_e) / (J * J)
+        J, j = determinant(F), determinant_excess(F)
+        return (self.lambda_e * (1.0 - np.log1p(j)) + self.mu_e) / (J * J)
 
 
 class Log(NeoHookean):

@@ -7,8 +7,8 @@ with all formulas, as those in this folder.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache, partial, reduce
-from itertools import count, islice, product
+from functools import cache, partial, reduce, wraps
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,10 +16,10 @@ import numpy as np
 from fsipetsc.checks import described, number
 from fsipetsc.equations.tensors import apply
 from fsipetsc.equations.vectors import add
-from fsipetsc.errors import InputError, place_in, place_of, reason
+from fsipetsc.errors import InputError, call
 from fsipetsc.kernels.symbols import Record, Symbol, derivatives, numbers_of, replay
 from fsipetsc.materials.hyperelastic import NeoHookean
-from fsipetsc.materials.solid_pressure import ConstantPressure
+from fsipetsc.materials.solid_pressure import NoPressure
 from fsipetsc.materials.stiffened_gas import PerfectGas
 from fsipetsc.materials.sutherland import ConstantTransport
 
@@ -27,7 +27,7 @@ Formula = Callable[..., Any]
 #: kind of law -> what makes one, and a class that has all formulas
 GAS, SOLID = ("stiffened_gas or gas_law", PerfectGas), ("solid_law", NeoHookean)
 TRANSPORT = "sutherland or transport_law", ConstantTransport
-PRESSURE = "gruneisen or mie_gruneisen", ConstantPressure
+PRESSURE = "gruneisen or mie_gruneisen", NoPressure
 
 
 def along(formula, numbers, direction):
@@ -155,7 +155,7 @@ def _law_of(kind: type, maker: str, arguments: int, formulas: Mapping[str, Any])
     """A law of functions of so many numbers, 0: they are checked later, or None. InputError."""
     given = tuple((name, formula) for name, formula in formulas.items() if formula is not None)
     for name, formula in given if arguments else ():
-        _check(f"{maker}: {name}", formula, _symbols(*[0] * arguments), numbers_of)
+        _check(f"{maker}: {name}", formula, _symbols(arguments), numbers_of)
     return _class(kind, maker, given)()
 
 
@@ -210,7 +210,7 @@ def check_inverses(law: Any, rho: Any, T: Any, owner: str) -> None:
 def check_pressure_law(law: Any, m0: float, alpha: float, what: str) -> None:
     """InputError if formulas of a pressure return no number, or are not derivatives of pressure."""
     for name in ("pressure", "pressure_by_temperature", "stiffness"):
-        _check(f"{what}: {name}", getattr(law, name), _symbols(0, 0, 0, 0), numbers_of)
+        _check(f"{what}: {name}", getattr(law, name), _symbols(4), numbers_of)
     for J, T in product(np.array([0.96, 1.04]), np.array([1.0, 300.0])):
         at, where = (J, T, m0, alpha), f"at J = {J:g}, T = {T:g}"
         p_J, p_T = (along(law.pressure, at, way) for way in np.eye(4)[:2].tolist())
@@ -226,15 +226,16 @@ def check_solid_law(law: Any, d: int) -> None:
     if not isinstance(law, OwnSolid):
         return
     n = d * d
-    shapes = {"stress": ([n], n), "energy": ([n], 0), "wave_modulus": ([n], 0)}
-    for name, (given, wanted) in {**shapes, "acoustic_tensor": ([n, d], n)}.items():
-        returns = partial(numbers_of, count=wanted)
-        _check(f"solid_law: {name}", getattr(law, name), _symbols(*given), returns)
     F = tuple((np.eye(d).ravel() + 0.03 * np.cos(np.arange(n))).tolist())
-    nodes = [tuple(np.full(2, entry) for entry in F)]
-    what = "of entries that are arrays"
-    _check(f"solid_law: stress {what}", law.stress, nodes, lambda P: np.broadcast_arrays(*P, F[:2]))
-    _check(f"solid_law: energy {what}", law.energy, nodes, lambda W: np.broadcast_to(W, 2))
+    nodes = [np.full(2, entry) for entry in F]
+
+    def of_nodes(found: Any) -> Any:
+        return np.broadcast_arrays(*(found if isinstance(found, tuple) else (found,)), nodes[0])
+
+    for name, count in ("stress", n), ("energy", 0):
+        what, formula = f"solid_law: {name}", getattr(law, name)
+        _check(what, formula, [_symbols(n)], partial(numbers_of, count=count))
+        _check(f"{what} of entries that are arrays", formula, [tuple(nodes)], of_nodes)
     P = law.stress(F)
     slopes = gradient(law.energy, F) if knows_energy(law) else P
     wrong = f"solid_law: stress is not the derivative of energy: at F = {F} that"
@@ -249,19 +250,11 @@ def _agree(what: str, found: Any, wanted: Any, least: Any = 0.0) -> None:
         raise InputError(f"{what} is {found[wrong][0]:.6g}: expected {wanted[wrong][0]:.6g}")
 
 
-def _symbols(*counts: int) -> list[Any]:
-    """Symbols that a formula may take: 0 for one, else a tuple of so many."""
+def _symbols(count: int) -> tuple[Any, ...]:
     record = Record()
-    numbers = map(record.given, (f"x{k}" for k in count()))
-    return [tuple(islice(numbers, n)) if n else next(numbers) for n in counts]
+    return tuple(record.given(f"x{k}") for k in range(count))
 
 
 def _check(what: str, formula: Formula, given: Sequence[Any], returns: Formula) -> None:
     """InputError if a formula cannot take what is given, or ``returns`` refuses what it returns."""
-    try:
-        returns(formula(*given))
-    except Exception as error:  # of the user's function
-        inside = place_in(error)
-        told = isinstance(error, InputError) and inside  # the error says where
-        place = "" if told else f"{inside or place_of(formula)}: "
-        raise InputError(f"{what}: {place}{reason(error)}") from error
+    call(wraps(formula)(lambda *numbers: returns(formula(*numbers))), tuple(given), what)

@@ -9,7 +9,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.materials import own
 from fsipetsc.materials.fluid import force_in
 from fsipetsc.materials.hyperelastic import LinearElastic, Log, NeoHookean, StVenantKirchhoff
-from fsipetsc.materials.solid_pressure import ConstantPressure, gruneisen
+from fsipetsc.materials.solid_pressure import NoPressure, gruneisen
 
 #: laws by name
 LAWS = {"log": Log, "neo-hookean": NeoHookean, "svk": StVenantKirchhoff, "linear": LinearElastic}
@@ -75,7 +75,7 @@ class ElasticSolid:
 
     @property
     def pressure_law(self) -> Any:
-        law = ConstantPressure() if self.pressing is None else self.pressing
+        law = NoPressure() if self.pressing is None else self.pressing
         return own.checked_law(law, "ElasticSolid: pressing", own.PRESSURE)
 
     @property
@@ -159,7 +159,7 @@ class Solid:
     def pressure_law(self) -> Any:
         if self.pressing is not None:
             return own.checked_law(self.pressing, "Solid: pressing", own.PRESSURE)
-        return gruneisen(self.gruneisen) if self.gruneisen > 0.0 else ConstantPressure()
+        return gruneisen(self.gruneisen) if self.gruneisen > 0.0 else NoPressure()
 
     @property
     def elastic(self) -> Elastic:

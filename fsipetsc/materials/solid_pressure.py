@@ -7,13 +7,12 @@ from typing import NamedTuple
 from fsipetsc.checks import NONNEGATIVE, POSITIVE, number
 
 
-class ConstantPressure(NamedTuple):
-    """p [Pa]; without it the stress is that of the solid's law alone."""
-
-    p: float = 0.0
+class NoPressure(NamedTuple):
+    """The stress is that of the solid's law alone."""
 
     def pressure(self, J, T, m0, alpha):
-        return self.p
+        """p [Pa]."""
+        return 0.0
 
     def pressure_by_temperature(self, J, T, m0, alpha):
         """dp/dT [Pa/K]."""

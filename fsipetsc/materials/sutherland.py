@@ -8,13 +8,11 @@ from fsipetsc.checks import NONNEGATIVE, POSITIVE
 
 
 class ConstantTransport(NamedTuple):
-    """mu and kappa are those of the material, times a factor."""
-
-    factor: float = 1.0
+    """mu and kappa are those of the material."""
 
     def viscosity(self, T):
         """mu(T)/mu."""
-        return self.factor
+        return 1.0
 
     conductivity = viscosity  # kappa(T)/kappa
 
