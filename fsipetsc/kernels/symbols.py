@@ -225,12 +225,10 @@ def exact(x: Any) -> Any:
     """
     if isinstance(x, tuple):
         return tuple(map(exact, x))
-    left = [x] if isinstance(x, Symbol) else []
-    while left:
-        symbol = left.pop()
-        if symbol.operation in ("+", "-", "*", "neg") and symbol.number not in x.record.exact:
-            x.record.exact.add(symbol.number)
-            left.extend(symbol.operands)
+    fusible = isinstance(x, Symbol) and x.operation in ("+", "-", "*", "neg")
+    if fusible and x.number not in x.record.exact:
+        x.record.exact.add(x.number)
+        exact(x.operands)
     return x
 
 
