@@ -19,7 +19,6 @@ depends on parameters alone is computed before the loop.
 import re
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from importlib.resources import files
 from typing import Any
 
 from fsipetsc.kernels.loops import recording
@@ -123,7 +122,7 @@ class Kernel:
                 f"static NOINLINE long {self.name}(",
                 "    " + ",\n    ".join(given) + ") {",
                 "  long counted = 0;",
-                *printed(record, items),
+                *printed(items),
                 "  return counted;",
                 "}\n",
             ]
@@ -145,8 +144,3 @@ def floats_of(equations: Any) -> list[float]:
     found = list[float]()
     _replaced(equations, found.append)
     return found
-
-
-def c_source(package: str, name: str) -> str:
-    """Return the text of a C file in a package."""
-    return files(package).joinpath(name).read_text(encoding="utf-8")

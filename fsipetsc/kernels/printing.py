@@ -37,13 +37,12 @@ _TYPES = {kind: f"const {kind}" for kind in ("double", "long", "int")}
 _TYPES |= {f"{kind} *": f"{kind} *const" for kind in ("double", "long")}
 
 
-def printed(record: Record, items: Sequence[Symbol | Line]) -> list[str]:
-    """Lines of C: the lines among the items, and before them each symbol that they need, where it
-    was made.
-    """
+def printed(items: Sequence[Symbol | Line]) -> list[str]:
+    """Lines of C: the lines among the items, and each symbol that they need where it stands."""
     taken = (value for item in items if isinstance(item, Line) for value in item.values)
     uses = uses_of([value for value in taken if isinstance(value, Symbol)])
-    sums = (one for one in record.symbols if one.operation in ("+", "-") and one.number in uses)
+    symbols = (one for one in items if isinstance(one, Symbol) and one.number in uses)
+    sums = (one for one in symbols if one.operation in ("+", "-"))
     fused = {symbol.number: found for symbol in sums if (found := _fused(symbol, uses))}
     left_out = {product.number for product, *_ in fused.values()}
     names, lines, inside = dict[int, str](), list[str](), 1
@@ -93,9 +92,6 @@ def _constant(value: float) -> str:
     text = repr(value)
     text = {"inf": "INFINITY", "-inf": "(-INFINITY)", "nan": "NAN"}.get(text, text)
     return f"({text})" if text[0] == "-" else text
-
-
-# powers of two
 
 
 def _power_of(value: float | None) -> int | None:

@@ -20,12 +20,12 @@ import inspect
 import struct
 from collections.abc import Callable, Sequence
 from functools import cache
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from fsipetsc.kernels.kernel import c_source
 from fsipetsc.kernels.loops import Array, Recording
 from fsipetsc.kernels.printing import printed
 from fsipetsc.kernels.symbols import Symbol
@@ -106,7 +106,6 @@ class Procedure(Called):
         return record.given(name, uniform=isinstance(value, float), kind=_kind(value))
 
     def _text(self, says: str, record: Recording) -> str:
-        lines = printed(record, record.items)
         kinds = {name: _kind(value) for name, value in self._values.items()}
         y, f = (*self.vectors, "unused", "unused_too")[:2]
         return "\n".join(
@@ -117,7 +116,7 @@ class Procedure(Called):
                 "};",
                 f"void {self.name}(const struct {self.name}_in *s, double *{y}, double *{f}) {{",
                 *(f"  {kind} const {name} = s->{name};" for name, kind in kinds.items()),
-                *lines,
+                *printed(record.items),
                 "}\n",
             ]
         )
@@ -157,7 +156,7 @@ def _lazy(kind: type) -> Any:
 
 def unit(*texts: str) -> str:
     """Return the text of a translation unit."""
-    return "\n".join([c_source("fsipetsc.kernels", "prelude.h"), *texts])
+    return "\n".join([Path(__file__).with_name("prelude.h").read_text("utf-8"), *texts])
 
 
 class Code:

@@ -147,9 +147,7 @@ class Symbol(NDArrayOperatorsMixin):
 
 
 class Record:
-    """The symbols that formulas make, each after its operands; exact: numbers of those that are not
-    fused.
-    """
+    """The symbols that formulas make. exact: numbers of those that are not fused."""
 
     def __init__(self) -> None:
         self.symbols: list[Symbol] = []
@@ -267,8 +265,6 @@ def _power(record: Record, base: Any, exponent: Any) -> Any:
     found = record.apply("sqrt", base) if abs(n) == 0.5 else found
     return found if n >= 0.0 else record.apply("/", 1.0, found)
 
-
-# --- derivatives
 
 #: changes of functions of one number a, or two a, b, with the value y; da, db: their changes
 _CHANGES: dict[str, Callable[..., Any]] = {

@@ -53,11 +53,8 @@ def gradient(formula, F):
     return [along(lambda *F: formula(F), F, way) for way in ways]
 
 
-# what follows from the functions of a case, with names and units of the laws in this folder
-
-
 class OwnGas(NamedTuple):
-    """A gas law of a case, like PerfectGas."""
+    """What follows from the functions of a gas law, with names and units as in PerfectGas."""
 
     energy_density = PerfectGas.energy_density
 
@@ -81,7 +78,7 @@ class OwnGas(NamedTuple):
 
 
 class OwnSolid(NamedTuple):
-    """A solid law of a case, like NeoHookean."""
+    """What follows from the functions of a solid law, as in NeoHookean."""
 
     def wave_modulus(self, F):
         """Upper bound of m0 c^2 [Pa]: the largest row of dP/dF."""
@@ -98,9 +95,6 @@ class OwnSolid(NamedTuple):
     def energy(self, F):
         """None: heat 'elastic' is refused."""
         return 0.0
-
-
-# what makes laws
 
 
 def gas_law(
@@ -163,9 +157,6 @@ def _law_of(kind: type, maker: str, arguments: int, formulas: Mapping[str, Any])
 def _class(kind: type, name: str, formulas: tuple[tuple[str, Formula], ...]) -> Any:
     """One class for the same formulas, so that gases of them may meet."""
     return type(name, (kind,), {key: staticmethod(formula) for key, formula in formulas})
-
-
-# checks
 
 
 def checked_law(law: Any, what: str, kind: tuple[str, type]) -> Any:

@@ -13,13 +13,13 @@ import ctypes
 from collections.abc import Mapping, Sequence
 from itertools import chain
 from math import prod
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from fsipetsc.kernels.kernel import c_source
 from fsipetsc.kernels.procedure import Called
 from fsipetsc.parallel.block_shares import Share
 
@@ -31,7 +31,7 @@ _NO = np.zeros(0, np.int64)
 
 def exchange_text() -> str:
     """The C code of exchanges and reductions."""
-    return c_source("fsipetsc.parallel", "exchange.c")
+    return Path(__file__).with_name("exchange.c").read_text("utf-8")
 
 
 class Route(NamedTuple):
