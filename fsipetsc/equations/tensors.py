@@ -54,30 +54,36 @@ def bordered(F: Tensor, c: Any, more: int) -> Tensor:
     return tuple(entry for row in (*wider, *last) for entry in row)
 
 
-def in_space(F: Tensor) -> Tensor:
-    """F in three dimensions, with 1 on the diagonal. Symbols lose what is 0 or times 1."""
-    return bordered(F, 1.0, 3 - isqrt(len(F)))
-
-
 def cofactor(F: Tensor) -> Tensor:
     """det F times F^-T."""
-    every, G = range(isqrt(len(F))), in_space(F)
-    return tuple(_cofactor(G, i, j) for i in every for j in every)
+    if len(F) == 1:
+        return (1.0 + 0.0 * F[0],)
+    if len(F) == 4:
+        return (F[3], -F[2], -F[1], F[0])
+    return tuple(_cofactor(F, i, j) for i in range(3) for j in range(3))
 
 
 def _cofactor(F: Tensor, i: int, j: int) -> Any:
+    """An entry of the cofactor in three dimensions."""
     k, l, m, n = (i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3
     return F[3 * k + m] * F[3 * l + n] - F[3 * k + n] * F[3 * l + m]
 
 
 def determinant(F: Tensor) -> Any:
-    F = in_space(F)
+    if len(F) == 1:
+        return F[0]
+    if len(F) == 4:
+        return F[0] * F[3] - F[1] * F[2]
     return total(F[j] * _cofactor(F, 0, j) for j in range(3))
 
 
 def determinant_excess(F: Tensor) -> Any:
     """det F - 1 without cancellation near the unit tensor, as in the next ones."""
-    F = in_space(F)
+    if len(F) == 1:
+        return F[0] - 1.0
+    if len(F) == 4:
+        a, b = F[0] - 1.0, F[3] - 1.0
+        return a + b + (a * b - F[1] * F[2])
     a, b, c = F[0] - 1.0, F[4] - 1.0, F[8] - 1.0
     bc, ca, ab = b * c - F[5] * F[7], c * a - F[2] * F[6], a * b - F[1] * F[3]
     cubic = a * bc + F[1] * (F[5] * F[6] - F[3] * c) + F[2] * (F[3] * F[7] - b * F[6])

@@ -33,8 +33,8 @@ class Recording(Record):
 
     def __init__(self) -> None:
         super().__init__()
-        self.items, self._within = list[Symbol | Line](), [list[Any]()]
-        self.stores, self.count, self.kernels = 0, 0, dict[str, None]()
+        self.items, self.kernels = list[Symbol | Line](), dict[str, None]()
+        self.stores = self.count = 0
 
     def __enter__(self) -> "Recording":
         _recordings.append(self)
@@ -46,7 +46,6 @@ class Recording(Record):
     def _keep(self, key: Any, made: Symbol) -> None:
         super()._keep(key, made)
         self.items.append(made)
-        self._within[-1].append(key)
 
     def whole(self, value: Any) -> Symbol:
         """The symbol of a whole number."""
@@ -71,12 +70,11 @@ class Recording(Record):
     def block(self, head: str, *values: Any) -> Iterator[None]:
         """What is recorded within stands between braces, and is known there alone."""
         self.line(f"{head} {{{{", *values)
-        self._within.append([])
+        before, self._known = self._known, {**self._known}
         yield
         self.line("}}")
         self.stores += 1  # what was stored within may be read after it
-        for key in self._within.pop():
-            del self._known[key]
+        self._known = before
 
 
 _recordings: list[Recording] = []
