@@ -163,9 +163,6 @@ def _given(command: str, arguments: list[str]) -> list[Any]:
     return [*files, found] if options else files
 
 
-# the texts that explain the program
-
-
 def _overview() -> str:
     """Return the short usage: how the program is called, cases and commands, a line each."""
     cases = {name: load_case(name).SUMMARY for name in BUILT_IN}

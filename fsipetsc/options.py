@@ -188,7 +188,8 @@ PETSC_OPTIONS: tuple[Option, ...] = (
         ("none",)),
     Option("ts_ssp_type", str, "rks2", "", "method of ssp", ("rks2", "rks3", "rk104")),
 )  # fmt: skip
-#: how names of the program and of PETSc begin, which no option of a case may have
+#: what no option of a case may be called; how names of the program and of PETSc begin
+TAKEN = "h", "help", "version"
 RESERVED = "fsi_ ts_ ksp_ pc_ snes_ tao_ mat_ vec_ dm_ log_ malloc_ options_ prefix_".split()
 #: other spellings: of another release of PETSc, or deprecated there
 ALIASES = {"ts_time_step": "ts_dt", "ts_final_time": "ts_max_time"}
@@ -222,14 +223,15 @@ def groups(
         "Time integration (PETSc)": PETSC_OPTIONS,
     }
     known = [option.name for options in sections.values() for option in options]
-    taken = [name.lower() for name in (*known, *PASSED_ON, "help")]
-    for name in (option.name for option in case.OPTIONS):
-        said = f"case {case.NAME}: its option -{name}"
-        if taken.count(name.lower()) > 1:
-            raise InputError(f"{said} has the name of another one")
-        if name.lower().startswith(tuple(RESERVED)) or not is_option(f"-{name}"):
-            beginnings = f"none of {', '.join(RESERVED)}, which are the program's and PETSc's"
-            raise InputError(f"{said}: expected a name that begins with a letter, and {beginnings}")
+    own = [option.name.lower() for option in (*case.OPTIONS, *extra)]
+    for name in own[: len(case.OPTIONS)]:
+        wrong = own.count(name) > 1 or name in TAKEN or name.startswith(tuple(RESERVED))
+        if wrong or not is_option(f"-{name}"):
+            letters = f"begins with a letter, and with none of {', '.join(RESERVED)}"
+            others = f"{letters}, and is none of {', '.join(TAKEN)}"
+            raise InputError(
+                f"case {case.NAME}: option -{name}: expected a name of its own that {others}"
+            )
     for name in [name for name in case.DEFAULTS if name not in known][:1]:
         hint = _nearest(str(name), known)
         raise InputError(f"case {case.NAME}: DEFAULTS has {name!r}, which is no option{hint}")

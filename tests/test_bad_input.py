@@ -101,7 +101,11 @@ LATER = ', forcing=lambda X, t: (0.0, 0.0 if t < 1.5e-5 else float("nan"), 0.0)'
 FAULTS = {
     "syntax": ("def build(opt):", "def build(opt:", ("case file faulty.py", "LINE")),
     "no return": ("return Problem(", "Problem(", ("nothing", "Problem")),
-    "an option": ('Option("plate_density"', 'Option("ts_time_step"', ("-ts_time_step", "none of")),
+    "an option": (
+        'Option("plate_density"',
+        'Option("ts_time_step"',
+        ("-ts_time_step", "none of fsi_, ts_"),
+    ),
     "a material": ("gamma=GAMMA", "gamma=1", ("LINE", "gamma is 1", "above 1")),
     "not a number": (
         "speed * (END - X)",

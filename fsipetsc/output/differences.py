@@ -3,7 +3,7 @@
 import math
 import os
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,8 +13,7 @@ from fsipetsc.output.reader import Layer, Run, open_run
 from fsipetsc.scheme.observables import GAIN, SERIES
 
 
-@dataclass(frozen=True)
-class Difference:
+class Difference(NamedTuple):
     """How far one field or series of two results is apart.
 
     Attributes:
@@ -42,8 +41,7 @@ class Difference:
         return self.largest / float(np.spacing(self.scale))
 
 
-@dataclass(frozen=True)
-class Comparison:
+class Comparison(NamedTuple):
     """What differs between two results.
 
     Attributes:
@@ -107,7 +105,7 @@ def _on_one_scale(found: list[Difference]) -> Iterator[Difference]:
         scales[unit] = max(scales.get(unit, 0.0), one.scale)
     if density := scales.get("kg m-3"):
         scales["m s-1"] = max(scales["m s-1"], math.sqrt(scales["Pa"] / density))
-    return (replace(one, scale=scales[unit]) for unit, one in zip(units, found))
+    return (one._replace(scale=scales[unit]) for unit, one in zip(units, found))
 
 
 def _difference(name: str, a: Array, b: Array, times: Array, places: Array | None) -> Difference:

@@ -32,13 +32,8 @@ WIDTH, HIGHEST, ABOVE, BAR = 10.2, 4.4, 0.4, 0.72
 MARGIN = 0.02  # of the extent, around it
 THIN = 0.2  # height over width; what is thinner is drawn higher than it is
 WIDE = 1.25  # width over height; of what is wider, two panels stand beside each other, else three
-STILL = 1e-3  # of the largest speed; there are no streamlines where it is less
 STREAM = 150  # points along each side of a panel, between which streamlines go
-LINES = 40  # of the grid in a solid as long as a panel
-LONGEST, WIDEST = 28, 20  # letters in a legend, in a line of the label of a vertical axis
 NOTHING = 1e-10  # of the values of a unit: what varies by less is round-off
-INSIDE = 0.1, 99.9  # percentiles of the values with which colours begin and end
-BESIDE = 0.05  # of the span of values is at least on either side of white
 
 STYLE: dict[Any, Any] = {
     "font.size": 9,
@@ -98,7 +93,7 @@ def label_y(axes: Axes, text: str) -> None:
     """Label a vertical axis, in lines that fit a low panel; its power of ten at the left."""
     name, bracket, unit = text.partition("[")
     whole = name + bracket + unit.replace(" ", "\u00a0")  # no line ends within a unit
-    lines = [textwrap.fill(line, WIDEST, break_long_words=False) for line in whole.split("\n")]
+    lines = [textwrap.fill(line, 20, break_long_words=False) for line in whole.split("\n")]
     axes.set_ylabel("\n".join(lines))
     axes.yaxis.get_offset_text().set_ha("right")
 
@@ -112,7 +107,7 @@ def extremes(*arrays: Array) -> tuple[float, float]:
 def legend_above(axes: Axes, side: str = "left") -> None:
     """Draw a legend above a panel, at this side of it, of five entries at most."""
     entries: dict[str, Any] = dict(zip(*reversed(axes.get_legend_handles_labels())))
-    shown = [textwrap.shorten(name, LONGEST, placeholder=" …") for name in entries][:5]
+    shown = [textwrap.shorten(name, 28, placeholder=" …") for name in entries][:5]
     more = {"ncol": 1 if max(map(len, shown), default=0) > 12 else 2, "borderaxespad": 0.1}
     corner = {"loc": f"lower {side}", "bbox_to_anchor": (side == "right", 1)}
     axes.legend([*entries.values()][:5], shown, **corner, **more)
@@ -203,7 +198,7 @@ class View:
         """
         low, high = extremes(*values)
         shown = np.concatenate([v[np.isfinite(v)] for v in values])
-        inner = np.percentile(shown, INSIDE) if low < high else (low, high)
+        inner = np.percentile(shown, (0.1, 99.9)) if low < high else (low, high)
         if inner[1] - inner[0] > NOTHING * size:  # else what happens is in few places
             low, high = map(float, inner)
         if high - low <= NOTHING * size:
@@ -211,7 +206,7 @@ class View:
         stress = "stress" in label
         colours = "cividis" if stress else PLAIN.get(self.name, "viridis")
         signed = stress or self.name not in PLAIN
-        if signed and min(-low, high) > BESIDE * (high - low):
+        if signed and min(-low, high) > 0.05 * (high - low):
             colours, high = "PuOr_r" if stress else "RdBu_r", max(-low, high)
             low = -high
         return {"cmap": colours, "vmin": low, "vmax": high}
@@ -248,7 +243,7 @@ class View:
                 axes.plot(*edge, color=color, linewidth=width)
         for (x, y), axis in product(solids, (0, 1)):
             step = np.hypot(np.diff(x, axis=axis), np.diff(y, axis=axis)).mean()
-            every = max(1, round(np.ptp(self.limits, axis=1).max() / (LINES * step)))
+            every = max(1, round(np.ptp(self.limits, axis=1).max() / (40 * step)))
             grid = [np.moveaxis(v, axis, 1)[:, every::every] for v in (x, y)]
             axes.plot(*grid, color="black", linewidth=0.3, alpha=0.5)
 
@@ -271,7 +266,7 @@ class View:
                     of[inside] = LinearTriInterpolator(mesh, v)(*points[inside].T).filled(np.nan)
         speed = np.hypot(*flow)
         if np.isfinite(speed).any():  # else there are solids alone
-            flow[:, speed < STILL * np.nanmax(speed)] = np.nan
+            flow[:, speed < 1e-3 * np.nanmax(speed)] = np.nan  # there are no lines where gas rests
             lines = flow.reshape(2, STREAM, STREAM)
             axes.streamplot(x, y, *lines, color="white", linewidth=0.5, arrowsize=0.5)
 

@@ -29,11 +29,9 @@ PANELS, MAPS = 2.8, 4.4  # inches, heights of a row of curves, of maps over x an
 #: of a film [dots per inch], frames at most (of more, some are left out), length [s]
 FILM_DPI, MOST_FRAMES, FILM_SECONDS = 100, 200, 10.0
 HTML_DPI = 110  # of pictures in a page of HTML
-LEAST_FRAMES = 5  # of fewer, profiles say more than maps over x and t
 CONTOURS = Option("contours", int, 0, "", "lines on each map", check="nonnegative")
 TIMES = Option("times", "floats", (), "s", "")
 PICTURES, FILMS = (".png", ".pdf", ".svg", ".jpg"), (".gif", ".mp4")
-INTERFACE_POINTS = (0.25, 0.5, 0.75)  # of an interface, whose deflection is drawn as a curve
 #: panels that a page shows beside interfaces
 ENERGY, DEPARTURE, STEP = "change of energy", "relative departure", "time step"
 #: colours and line styles of curves in one panel, in turn
@@ -41,7 +39,6 @@ CURVES = {
     "color": [drawing.BLACK, drawing.ORANGE, drawing.BLUE, drawing.GREEN, "#cc79a7"] * 4,
     "linestyle": ["-", "--", "-.", ":"] * 5,
 }
-DECADES = 8.0  # of a logarithmic axis at most
 HTML = """<!DOCTYPE html>
 <meta charset="utf-8">
 <title>{title}</title>
@@ -116,7 +113,7 @@ def page(run: Run, wanted: Wanted = USUAL) -> Figure:
 def pictures(run: Run, wanted: Wanted = USUAL, every: bool = True) -> dict[str, Drawing]:
     """Return name -> drawing: of every picture that the run has the data for, or of the page's."""
     found, names = dict[str, Drawing](), chosen(run, wanted.fields)
-    over_time = run.dimension == 1 and run.nframes >= LEAST_FRAMES
+    over_time = run.dimension == 1 and run.nframes >= 5  # of fewer, profiles say more
     if run.nframes and (every or wanted.times or not over_time):
         for name in there(run) if every and not wanted.fields else names:
             frames = drawing.frames_of(run, name, wanted.times)
@@ -169,7 +166,7 @@ def all_panels(run: Run) -> dict[str, list[Panel]]:
     if run.dimension == 2 and run.nframes > 1:
         lines = [run.interface(k) for k in range(len(run.interfaces))]
         for line in sorted(lines, key=lambda line: -np.nanmax(np.abs(line.displacement))):
-            points = [round(part * (len(line.s) - 1)) for part in INTERFACE_POINTS]
+            points = [round(part * (len(line.s) - 1)) for part in (0.25, 0.5, 0.75)]
             curves = {f"s = {line.s[point]:.3g}": line.displacement[:, point] for point in points}
             found["interfaces"].append(Panel(f"deflection,\n{line.name}", "m", run.time, curves))
     t = run.series.get("t", np.empty(0))
@@ -204,7 +201,7 @@ def _draw_curves(figure: Figure, run: Run, panels: list[Panel], columns: int) ->
             axes.set_yscale("log", nonpositive="mask")
             axes.margins(y=0.0)  # decades, which follow, are margin enough
             low, high = np.log10(axes.get_ylim())
-            axes.set_ylim(10.0 ** np.floor(max(low, high - DECADES)), 10.0 ** np.ceil(high))
+            axes.set_ylim(10.0 ** np.floor(max(low, high - 8.0)), 10.0 ** np.ceil(high))
             axes.yaxis.set_minor_formatter("")  # labels of less than two decades would touch
         if panel.label == STEP:
             axes.set_ylim(0.0, 1.05 * panel.curves["dt"].max())

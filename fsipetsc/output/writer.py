@@ -182,8 +182,6 @@ class RunWriter:
         viewer.popGroup()
         vec.destroy()
 
-    # failing together
-
     def _on_root(self, action: Callable[[], Result]) -> Result:
         """Return the value of `action` on rank 0, for all ranks; its failure too. Collective."""
         return self._comm.bcast(self._together(lambda: action() if self._root else None))
@@ -195,8 +193,6 @@ class RunWriter:
         except FsiError:
             self.close()
             raise
-
-    # the files, on rank 0
 
     @property
     def _draft(self) -> Path:
@@ -278,9 +274,9 @@ class RunWriter:
 
 def _mark(file: Path) -> str | None:
     """Return the mark by which a result and its checkpoints know each other, if any."""
-    with suppress(FileError):  # it is none, or damaged
-        return open_run(file).header.get("run")
-    return None
+    with suppress(FileError), layout.opened(file, layout.RESULT) as (_, about):
+        return str(about["header"]["run"])
+    return None  # it is no result, or damaged
 
 
 def lock(folder: Path, name: str) -> IO[str]:
