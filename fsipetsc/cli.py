@@ -5,6 +5,7 @@ import re
 import sys
 import textwrap
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from typing import Any, NamedTuple
 
 from fsipetsc import __version__
@@ -80,10 +81,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns:
         The exit status; errors are printed, not raised.
     """
-    if argv is None:
-        return _main(sys.argv[1:])
-    with left_as_found():
-        return _main(list(argv))
+    with nullcontext() if argv is None else left_as_found():
+        return _main(sys.argv[1:] if argv is None else list(argv))
 
 
 def _main(arguments: list[str]) -> int:

@@ -130,8 +130,8 @@ DISCRETISATION = (
         "coupling of gas and solid; all but conservative: the paper's method, in 1-D",
         ("projection", "energy", "traditional", "conservative")),
     Option("fsi_mapping", str, "auto", "",
-        "grids of gases: rigid with the paper's couplings, stretched with conservative; "
-        "auto: what the coupling needs", ("auto", "rigid", "stretched")),
+        "grids of gases; auto: rigid with the paper's couplings, stretched with conservative",
+        ("auto", "rigid", "stretched")),
     Option("fsi_viscous", str, "wide", "",
         "second derivatives: D twice, or, with the paper's couplings, a narrow stencil",
         ("wide", "narrow")),

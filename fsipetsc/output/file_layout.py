@@ -112,8 +112,11 @@ def opened(path: Path, kind: Mapping[str, Any]) -> Iterator[tuple[h5py.File, dic
     with damage(called), open_h5(path) as file:
         about = json.loads(file["about"][()] if "about" in file else "{}")
         if not kind.items() <= about.items():
-            said = f"is not a {kind['format'].split()[-1]} of fsipetsc"
-            raise FileError(f"{called}: {said}, in the format {kind.get('version')}")
+            said = (
+                f"is not a {kind['format'].split()[-1]} of fsipetsc in format {kind.get('version')}"
+            )
+            own = about.get("version", "unknown")
+            raise FileError(f"{called}: {said}; its own format is {own}")
         yield file, about
 
 
@@ -126,21 +129,20 @@ class _Memory(io.BytesIO):
         return super().truncate(length)
 
 
-def image(
-    numbers: Mapping[str, Any], shapes: Mapping[str, tuple[int, ...]] = {}, most: int = 0
-) -> bytes:
-    """Return an HDF5 file with these datasets and others of these shapes, still to be filled, in
-    chunks of at most so many numbers; 0: not in chunks.
+def image(content: Mapping[str, Any], most: int = 0) -> bytes:
+    """Return an HDF5 file with these datasets. A tuple is the shape of one that is still to be
+    filled, in chunks of at most so many numbers; 0: not in chunks.
     """
     memory = _Memory()
     with h5py.File(memory, "w", libver=LIBVER) as file:
-        if names := [name[7:] for name in (*numbers, *shapes) if name.startswith("series/")]:
+        if names := [name[7:] for name in content if name.startswith("series/")]:
             file.create_group("series", track_order=True).attrs[NAMES] = np.array(names, "S")
-        for name, value in numbers.items():
-            file[name] = value
-        for name, shape in shapes.items():
-            rows = max(1, min(shape[0], most // max(1, int(np.prod(shape[1:])))))
-            file.create_dataset(name, shape, "f8", chunks=(rows, *shape[1:]) if most else None)
+        for name, of in content.items():
+            if isinstance(of, tuple):
+                rows = max(1, min(of[0], most // max(1, int(np.prod(of[1:])))))
+                file.create_dataset(name, of, "f8", chunks=(rows, *of[1:]) if most else None)
+            else:
+                file[name] = of
     return memory.getvalue()
 
 

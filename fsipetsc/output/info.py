@@ -53,7 +53,7 @@ def _overview(run: Run) -> Rows:
         ("time steps", f"{len(dt)}{_range(', dt =', dt, s)}"),
         ("series", ", ".join(run.series) or "none"),
         ("interfaces", places),
-        *(("point", f"{name} at {', '.join(f'{x:.6g}' for x in X)}") for name, X in run.points),
+        *(("point", text) for text in run.columns["point"]),
         *(("note", note) for note in run.header.get("notes", ())),
     ]
     return [(name, text) for name, text in rows if text]

@@ -109,9 +109,8 @@ def to_xarray(run: Run) -> Any:
     """Return the dataset that `Run.to_xarray` describes, of a Run."""
     import xarray
 
-    def about(name: str, **more: str) -> dict[str, str]:
-        unit = unit_of(name, run)
-        return {"units": unit, **more} if unit else more
+    def about(name: str) -> dict[str, str]:
+        return {"units": unit} if (unit := unit_of(name, run)) else {}
 
     variables: dict[str, Any] = {}
     coordinates: dict[str, Any] = {"time": ("time", run.time, about("t"))}
@@ -120,13 +119,11 @@ def to_xarray(run: Run) -> Any:
         dimensions = [f"{axis}_{name}" for axis in axes[::-1]]
         for axis in axes:
             X, of_axis = getattr(layer, axis), f"{axis}_{name}"
-            more = about("x", long_name=f"reference coordinate {axis}")
             key, along = (of_axis, of_axis) if X.ndim == 1 else (f"{name}.{axis}", dimensions)
-            coordinates[key] = along, X, more
+            coordinates[key] = along, X, about("x")
         for field in layer.fields:
             where = coordinates if field in "xyz" else variables
-            more = about(field, layer=layer.name)
-            where[f"{name}.{field}"] = ["time", *dimensions], layer[field], more
+            where[f"{name}.{field}"] = ["time", *dimensions], layer[field], about(field)
     for series, values in run.series.items():
         of = [SERIES[series].of] * (values.ndim - 1)
         coordinates |= {column: (column, run.columns[column]) for column in of}

@@ -42,7 +42,6 @@ _CHUNK = 1 << 27  # numbers: PETSc writes to chunked datasets only, of less than
 class RunWriter:
     """The result of a running computation. **Collective on `comm`**.
 
-    comm            all ranks of the run
     path            of the file in the end; FileError while another run is writing it
     header          JSON-able: case, options, versions, ranks, interfaces, layers (name, kind,
                     fields, shape of each), units …
@@ -148,12 +147,12 @@ class RunWriter:
             parts[f"layer{k}/frames"] = frames, n
             if self._grids:
                 parts[f"layer{k}/X"] = self._grids[k], n
-        shapes = {name: (n, *local.shape[1:]) for name, (local, n) in parts.items()}
-        numbers = {"time": np.array(self._times)}
+        content: dict[str, Any] = {"time": np.array(self._times)}
+        content |= {name: (n, *local.shape[1:]) for name, (local, n) in parts.items()}
         if self._new_rows:
             rows = np.concatenate(self._new_rows)
-            numbers |= {f"series/{name}": rows[name] for name in rows.dtype.names}
-        self._on_root(lambda: self._lay_out(numbers, shapes, _CHUNK))
+            content |= {f"series/{name}": rows[name] for name in rows.dtype.names}
+        self._on_root(lambda: self._lay_out(content, _CHUNK))
         if parts:
             # HDF5 would print what it met on its way to a file that this rank cannot open
             self._together(lambda: open(self._draft, "r+b").close())
@@ -198,17 +197,17 @@ class RunWriter:
     def _draft(self) -> Path:
         return layout.piece(self.folder, self._number, ".new")
 
-    def _lay_out(self, numbers: dict[str, Any], shapes: dict[str, Any], chunk: int = 0) -> None:
-        """Write a draft with these numbers, in which datasets of these shapes are to be filled."""
+    def _lay_out(self, content: Mapping[str, Any], chunk: int = 0) -> None:
+        """Write a draft with this content, in which tuples are shapes of what is to be filled."""
         words = json.dumps(self._about, default=lambda v: getattr(v, "tolist", v.__str__)())
-        content = layout.image({"about": np.bytes_(words), **numbers}, shapes, chunk)
-        room = sum(8 * math.prod(shape) + 1024 for shape in shapes.values())
+        image = layout.image({"about": np.bytes_(words), **content}, chunk)
+        room = sum(8 * math.prod(of) + 1024 for of in content.values() if isinstance(of, tuple))
         with open(self._draft, "wb") as file:
-            file.write(content)
+            file.write(image)
             file.flush()
             # HDF5 crashes when it closes a file on a full disk, so what it needs is reserved before
             if hasattr(os, "posix_fallocate"):
-                os.posix_fallocate(file.fileno(), len(content), room + _SPARE)
+                os.posix_fallocate(file.fileno(), len(image), room + _SPARE)
 
     def _begin(
         self, after: tuple[str, int, int, float] | None, checkpoint: Path | None
@@ -249,14 +248,14 @@ class RunWriter:
             found = f"it has {run.nframes} frames, and its step {rows} ends at t = {ended:.17g}"
             what = f"{self.path} is not what the checkpoint goes on from"
             raise FileError(f"{what}: {found}, not {t:.17g}")
-        numbers = {"time": run.time[:frames]}
-        shapes = {f"series/{name}": (rows, *of.shape[1:]) for name, of in run.series.items()}
+        content: dict[str, Any] = {"time": run.time[:frames]}
+        content |= {f"series/{name}": (rows, *of.shape[1:]) for name, of in run.series.items()}
         layers = dict(enumerate(run.layers if frames else ()))
         for k, layer in layers.items():
             d = len(layer.shape)
-            numbers[f"layer{k}/X"] = layer.places.reshape(-1, d) if d > 1 else layer.places[:, 0]
-            shapes |= {f"layer{k}/{name}": (frames, *layer.shape) for name in layer.fields}
-        self._lay_out(numbers, shapes)
+            content[f"layer{k}/X"] = layer.places.reshape(-1, d) if d > 1 else layer.places[:, 0]
+            content |= {f"layer{k}/{name}": (frames, *layer.shape) for name in layer.fields}
+        self._lay_out(content)
         with layout.open_h5(self._draft, "r+") as file:
             for name, values in run.series.items():
                 file[f"series/{name}"][:] = values[:rows]
