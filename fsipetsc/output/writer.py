@@ -248,6 +248,7 @@ class RunWriter:
             found = f"it has {run.nframes} frames, and its step {rows} ends at t = {ended:.17g}"
             what = f"{self.path} is not what the checkpoint goes on from"
             raise FileError(f"{what}: {found}, not {t:.17g}")
+        self._about["header"]["created"] = run.header["created"]  # a restart keeps it
         content: dict[str, Any] = {"time": run.time[:frames]}
         content |= {f"series/{name}": (rows, *of.shape[1:]) for name, of in run.series.items()}
         layers = dict(enumerate(run.layers if frames else ()))

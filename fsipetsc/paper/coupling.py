@@ -57,6 +57,19 @@ class Interface(SimpleNamespace):
     column ``number``.
     """
 
+    def __init__(
+        self, pair: Sequence[Layer], number: int, me: int, kind: str, notes: Array
+    ) -> None:
+        """That of two layers, the left one first, on rank ``me``."""
+        gas, solid = sorted(pair, key=lambda layer: not layer.is_gas)
+        super().__init__(kind=kind, gas=gas, solid=solid, notes=notes, number=number)
+        self.first = int(gas.active[gas.side - 1]), int(solid.active[gas.side])
+        rows = self.n * np.arange(row_length(gas.op))
+        self.ranks = gas.share.ranks[gas.side - 1], solid.share.ranks[-gas.side]
+        places = gas.places(self.first[0] + rows), solid.places(self.first[1] - rows)
+        self.places, self.jump = np.concatenate(places), np.zeros(4)
+        self.here = [rank == me for rank in self.ranks]
+
     @property
     def n(self):
         """1 if the gas lies right of the solid, else -1."""
@@ -87,18 +100,6 @@ class Interface(SimpleNamespace):
         """Let unknowns of the solid in row j be these."""
         for name, value in values.items():
             self.solid.local[UNKNOWNS.index(name), self.first[1] - self.n * j] = value
-
-
-def interface_of(pair: Sequence[Layer], number: int, me: int, kind: str, notes: Array) -> Interface:
-    """An interface of two layers, the left one first, on rank ``me``."""
-    gas, solid = sorted(pair, key=lambda layer: not layer.is_gas)
-    first = int(gas.active[gas.side - 1]), int(solid.active[gas.side])
-    one = Interface(kind=kind, gas=gas, solid=solid, first=first, notes=notes, number=number)
-    rows = one.n * np.arange(row_length(gas.op))
-    one.ranks = gas.share.ranks[gas.side - 1], solid.share.ranks[-gas.side]
-    one.places = np.append(gas.places(first[0] + rows), solid.places(first[1] - rows))
-    one.jump, one.here = np.zeros(4), [rank == me for rank in one.ranks]
-    return one
 
 
 def note(of):

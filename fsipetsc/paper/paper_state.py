@@ -28,7 +28,7 @@ from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import ends, rates
-from fsipetsc.paper.coupling import couple, interface_of, note
+from fsipetsc.paper.coupling import Interface, couple, note
 from fsipetsc.paper.layers import check_ends, check_form, exchanges_of, layers_of
 from fsipetsc.parallel.exchange import Reduction, exchange_text
 from fsipetsc.problem import Problem
@@ -81,7 +81,7 @@ class PaperState(State):
         self.solution = PETSc.Vec().createWithArray(self.y, comm=comm)
         of = comm.rank, opt["fsi_coupling"], notes
         pairs = enumerate(pairwise(self.layers))
-        self.interfaces = [interface_of(pair, k, *of) for k, pair in pairs]
+        self.interfaces = [Interface(pair, k, *of) for k, pair in pairs]
         self._rows, self._halos = exchanges_of(comm, self.layers, self.interfaces, self._memory)
         self._reduction = Reduction(comm, reduced)
         self._load_procedures(steps, announce)

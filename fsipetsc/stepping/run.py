@@ -73,31 +73,25 @@ def make_state(
 
 
 def run_given(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> dict[str, Any]:
-    """Run the case from its beginning or a checkpoint; return the options in force. Collective."""
-    past = restart.find_past(case, given, comm)
-    inherited = past.header["options"] if past else {}
-    options = read_options(case, given, inherited=inherited)
-    run_case(case, options, comm, past)
-    return options
-
-
-def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | None = None) -> None:
-    """Integrate the case's problem and write its result, or with -fsi_check tell how it begins.
-    past: a checkpoint to go on from. Collective. InputError, ComputationError (what was computed is
-    written), FileError, Interrupted.
+    """Run the case from its beginning or a checkpoint and write its result, or with -fsi_check tell
+    how it begins; return the options in force. Collective. InputError, ComputationError (what was
+    computed is written), FileError, Interrupted.
     """
+    past = restart.find_past(case, given, comm)
+    options = read_options(case, given, inherited=past.header["options"] if past else {})
     problem = build_problem(case, options, comm)
-    quiet = comm.rank > 0 or options["fsi_quiet"]
-    with make_state(problem, options, comm, (lambda text: None) if quiet else say) as state:
+    announce = (lambda text: None) if comm.rank > 0 or options["fsi_quiet"] else say
+    with make_state(problem, options, comm, announce) as state:
         if past is not None:
             past.check(restart.facts(state, options))
-        state.set_initial(options["ts_max_time"])  # before there is a file
+        state.set_initial(options["ts_max_time"])
         run = Run(case.NAME, options, state, past)
         if options["fsi_check"]:
             run.look()
-            return
-        with closing(run.open()), signals_noted(run):
-            run.go()
+        else:
+            with closing(run.open()), signals_noted(run):
+                run.go()
+    return options
 
 
 @contextmanager
