@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from fsipetsc import cases
-from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.cases import load_case
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import PROGRAM, read_options
@@ -49,8 +48,7 @@ def compile(arguments: list[str], comm: Comm) -> None:
 
     announce = say if comm.rank == 0 and not options["fsi_quiet"] else lambda text: None
     with make_state(build_problem(case, options, comm), options, comm, announce):
-        pass
-    announce(f"the kernels of {case.NAME} are ready")
+        announce(f"the kernels of {case.NAME} are ready")
 
 
 def geometry(arguments: list[str], comm: Comm) -> None:
@@ -58,11 +56,7 @@ def geometry(arguments: list[str], comm: Comm) -> None:
     opt = read_options(case, start_petsc(arguments[1:], comm))
     from fsipetsc.stepping.run import build_problem
 
-    problem = build_problem(case, opt, comm)
-
-    if not isinstance(problem, BlockProblem):
-        said = "draws blocks, and these couplings have none: take -fsi_coupling conservative"
-        raise InputError(f"geometry: {said}")
+    problem = build_problem(case, {**opt, "fsi_coupling": "conservative"}, comm)  # of blocks
 
     def show() -> None:
         d, target = problem.dimension, Path(f"{case.NAME}-geometry.png")

@@ -80,7 +80,7 @@ def run_given(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> dict[str, 
     past = restart.find_past(case, given, comm)
     options = read_options(case, given, inherited=past.header["options"] if past else {})
     problem = build_problem(case, options, comm)
-    announce = (lambda text: None) if comm.rank > 0 or options["fsi_quiet"] else say
+    announce = (lambda text: None) if options["fsi_quiet"] else say
     with make_state(problem, options, comm, announce) as state:
         if past is not None:
             past.check(restart.facts(state, options))
