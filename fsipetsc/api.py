@@ -81,10 +81,6 @@ def _words(case: Any, options: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _text(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, (str, os.PathLike)):
-        return os.fspath(value)
-    if isinstance(value, Iterable):
+    if isinstance(value, Iterable) and not isinstance(value, (str, os.PathLike)):
         return ",".join(map(_text, value))
-    return repr(value.item() if hasattr(value, "item") else value)
+    return str(value)

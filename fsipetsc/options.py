@@ -116,11 +116,6 @@ def _typed(kind: str, value: Any) -> Any:
     return of(value)
 
 
-def _increasing(times: Sequence[float]) -> bool | str:
-    rising = all(a < b for a, b in pairwise(times)) and min(times, default=0) >= 0
-    return rising or "times that are not negative and increase"
-
-
 DISCRETISATION = (
     Option("fsi_order", int, 4, "", "interior order of the SBP operators", (2, 4, 6, 8)),
     Option("fsi_h", float, REQUIRED, "m",
@@ -152,7 +147,9 @@ OUTPUT = (
         check=lambda name: bool(Path(name).name and Path(name).suffix != ".parts")
         or "the name of a file that does not end in .parts"),
     Option("fsi_output_dt", float, None, "s", "interval of saved profiles", check="positive"),
-    Option("fsi_output_times", "floats", None, "s", "times of saved profiles", check=_increasing),
+    Option("fsi_output_times", "floats", None, "s", "times of saved profiles",
+        check=lambda times: (times[0] >= 0 and [*times] == sorted({*times}))
+        or "times that are not negative and increase"),
     Option("fsi_probes", str, None, "m", "places of nodes to record at each step: X,Y;X,Y;…"),
 )  # fmt: skip
 CHECKPOINTS = (

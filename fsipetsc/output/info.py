@@ -19,7 +19,7 @@ def info(path: str | os.PathLike[str]) -> str:
     """Return case, times, layers, series, options, summary and errors of a result. FileError."""
     with open_run(path) as run, damage(run.path):
         parts = {
-            "layers": [(layer.name, _layer(run, layer)) for layer in run.layers],
+            "layers": [(layer.name, _layer(layer)) for layer in run.layers],
             "options": [(f"-{k}", _text(value)) for k, value in run.options.items() if value != ""],
             "summary": summary_rows({**run.summary, "interfaces": None}, " s" * is_si(run)),
             f"{run.options.get('fsi_norm', 'L2')} errors": summary_rows(run.errors),
@@ -59,8 +59,8 @@ def _overview(run: Run) -> Rows:
     return [(name, text) for name, text in rows if text]
 
 
-def _layer(run: Run, layer: Layer) -> str:
-    ranges = (_range(f", {x} =", getattr(layer, x)) for x in "XYZ"[: run.dimension])
+def _layer(layer: Layer) -> str:
+    ranges = (_range(f", {x} =", getattr(layer, x)) for x in "XYZ"[: len(layer.shape)])
     return f"{layer.kind}, {layer.size}{''.join(ranges)}; {', '.join(layer.fields)}"
 
 

@@ -1,4 +1,4 @@
-"""Labels and units of what is stored and recorded; what can be drawn; a result for xarray."""
+"""Labels and units of what is stored and recorded; what can be drawn."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -103,33 +103,3 @@ def values_of(name: str, layer: Any, fields: Mapping[str, Array]) -> Array:
     if name == "strain":  # likewise
         return np.gradient(fields["x"], layer.X, edge_order=2) - 1.0
     return fields[name]
-
-
-def to_xarray(run: Run) -> Any:
-    """Return the dataset that `Run.to_xarray` describes, of a Run."""
-    import xarray
-
-    def about(name: str) -> dict[str, str]:
-        return {"units": unit} if (unit := unit_of(name, run)) else {}
-
-    variables: dict[str, Any] = {}
-    coordinates: dict[str, Any] = {"time": ("time", run.time, about("t"))}
-    for layer in run.layers:
-        name, axes = "_".join(layer.name.split()), "XYZ"[: len(layer.shape)]
-        dimensions = [f"{axis}_{name}" for axis in axes[::-1]]
-        for axis in axes:
-            X, of_axis = getattr(layer, axis), f"{axis}_{name}"
-            key, along = (of_axis, of_axis) if X.ndim == 1 else (f"{name}.{axis}", dimensions)
-            coordinates[key] = along, X, about("x")
-        for field in layer.fields:
-            where = coordinates if field in "xyz" else variables
-            where[f"{name}.{field}"] = ["time", *dimensions], layer[field], about(field)
-    for series, values in run.series.items():
-        of = [SERIES[series].of] * (values.ndim - 1)
-        coordinates |= {column: (column, run.columns[column]) for column in of}
-        variables[f"series.{series}"] = ["step", *of], values, about(series)
-    if "t" in run.series:
-        coordinates["t"] = "step", run.series["t"], about("t")
-    options = {f"-{name}": str(value) for name, value in run.options.items() if value is not None}
-    attributes = {"case": run.case, "complete": int(run.complete), **options}
-    return xarray.Dataset(variables, coordinates, attributes)

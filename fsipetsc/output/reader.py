@@ -13,6 +13,8 @@ import numpy as np
 from fsipetsc.checks import Array, counted
 from fsipetsc.errors import FileError
 from fsipetsc.output import file_layout as layout
+from fsipetsc.output.quantities import unit_of
+from fsipetsc.scheme.observables import SERIES
 
 
 class Run:
@@ -118,9 +120,32 @@ class Run:
         Fields are "LAYER.FIELD" of the dimensions time (Z_LAYER, Y_LAYER,) X_LAYER, with _ for a
         blank in LAYER, positions are coordinates, series "series.NAME" of the dimension step.
         """
-        from fsipetsc.output.quantities import to_xarray
+        import xarray
 
-        return to_xarray(self)
+        def about(name: str) -> dict[str, str]:
+            return {"units": unit} if (unit := unit_of(name, self)) else {}
+
+        variables: dict[str, Any] = {}
+        coordinates: dict[str, Any] = {"time": ("time", self.time, about("t"))}
+        for layer in self.layers:
+            name, axes = "_".join(layer.name.split()), "XYZ"[: len(layer.shape)]
+            dimensions = [f"{axis}_{name}" for axis in axes[::-1]]
+            for axis in axes:
+                X, of_axis = getattr(layer, axis), f"{axis}_{name}"
+                key, along = (of_axis, of_axis) if X.ndim == 1 else (f"{name}.{axis}", dimensions)
+                coordinates[key] = along, X, about("x")
+            for field in layer.fields:
+                where = coordinates if field in "xyz" else variables
+                where[f"{name}.{field}"] = ["time", *dimensions], layer[field], about(field)
+        for series, values in self.series.items():
+            of = [SERIES[series].of] * (values.ndim - 1)
+            coordinates |= {column: (column, self.columns[column]) for column in of}
+            variables[f"series.{series}"] = ["step", *of], values, about(series)
+        if "t" in self.series:
+            coordinates["t"] = "step", self.series["t"], about("t")
+        options = {f"-{name}": str(of) for name, of in self.options.items() if of is not None}
+        attributes = {"case": self.case, "complete": int(self.complete), **options}
+        return xarray.Dataset(variables, coordinates, attributes)
 
     def close(self, *_: object) -> None:
         """Do nothing: files are open only while something is read."""
@@ -166,8 +191,14 @@ class Layer(Mapping[str, Array]):
         self.shape: tuple[int, ...] = tuple(entry["shape"]) if len(nodes) else (0,) * d
         self.places: Array = nodes.reshape(*self.shape, d)
         self.periodic: tuple[bool, ...] = tuple(entry.get("periodic", [False] * d)[::-1])
-        lines = [*_short(np.moveaxis(self.places, -1, 0)), *[np.zeros(1)] * (3 - d)]
-        self.X, self.Y, self.Z = lines
+        known = [*np.moveaxis(self.places, -1, 0)]
+        rows = [
+            np.moveaxis(X, -1 - k, -1).reshape(-1, X.shape[-1 - k]) for k, X in enumerate(known)
+        ]
+        # whether each depends on its own axis alone
+        if all(of.size and np.ptp(of, axis=0).max() <= 1e-12 * np.ptp(of) for of in rows):
+            known = [of[0] for of in rows]
+        self.X, self.Y, self.Z = [*known, *[np.zeros(1)] * (3 - d)]
 
     x = property(lambda self: self["x"])
     y = property(lambda self: self["y"])
@@ -255,15 +286,6 @@ class InterfaceLine:
             left = 1.0 if (axis == 0) == (side == 1) else -1.0
             X_s, Y_s = np.gradient([X, Y], s, axis=1, edge_order=2 if len(s) > 2 else 1)
             self.displacement = left * (X_s * (self.y - Y) - Y_s * (self.x - X))
-
-
-def _short(places: Array) -> list[Array]:
-    """Return coordinates as arrays along their own axes, if each depends on its own axis alone."""
-    if not places.size:  # of a result without frames
-        return [*places]
-    rows = [np.moveaxis(X, -1 - k, -1).reshape(-1, X.shape[-1 - k]) for k, X in enumerate(places)]
-    straight = all(np.ptp(of, axis=0).max() <= 1e-12 * np.ptp(of) for of in rows)
-    return [row[0] for row in rows] if straight else [*places]
 
 
 def open_run(path: str | os.PathLike[str]) -> Run:
