@@ -208,10 +208,10 @@ def _laid_out(title: str, sections: Mapping[str, Mapping[str, str]], left: int) 
 def _row(option: Option) -> tuple[str, str]:
     """Return (name, type, default and unit; meaning)."""
     kind = "text" if option.kind == "str" else option.kind
-    choices = f": {', '.join(map(str, option.choices))}" if option.choices else ""
-    value, unit = option.default, option.unit
+    choices = f" ({', '.join(map(str, option.choices))})" if option.choices else ""
+    value, unit = option.default, f" [{option.unit}]" if option.unit else ""
     if value is REQUIRED or value is None:
-        text, unit = "none" if value is None else "required", f"[{unit}]" if unit else ""
+        text = "none" if value is None else "required"
     elif isinstance(value, bool):
         text = str(value).lower()
     elif value == INT_MAX:
@@ -219,4 +219,4 @@ def _row(option: Option) -> tuple[str, str]:
     else:
         items = value if isinstance(value, tuple) else (value,)
         text = ",".join(f"{item:.10g}" if isinstance(item, float) else str(item) for item in items)
-    return f"-{option.name} {kind} {text} {unit}".rstrip(), option.help + choices
+    return f"-{option.name} {kind} {text}{unit}", option.help + choices

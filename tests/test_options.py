@@ -84,7 +84,7 @@ def test_overview_lists_cases_and_commands_without_importing_the_solver():
     [
         ("", ["Cases"]),
         ("-h", ["Cases"]),
-        ("rod -help -fsi_h x", ["-rod_gravity", "-10 m/s2", "2, 4, 6, 8", "-fsi_h float"]),
+        ("rod -help -fsi_h x", ["-rod_gravity", "float -10 [m/s2]", "2, 4, 6, 8", "-fsi_h float"]),
         ("plot --help", ["plot RUN.h5 [-o DIR|FILE]"]),
         ("compile rod -help", ["compile CASE [-option value ...]", "-rod_gravity", "-log_view"]),
         ("--version", [f"fsipetsc {fsipetsc.__version__}\n"]),

@@ -2,7 +2,7 @@
 their faces.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -67,29 +67,31 @@ def geometry_rows(problem: BlockProblem) -> Rows:
     return [*rows, ("all", f"{nodes:,} nodes, {span(*every)}")]
 
 
-def draw_geometry(target: Path, problem: BlockProblem, title: str, axes: Sequence[str]) -> Path:
-    """Write the picture; axes: labels of the coordinates. FileError."""
+def draw_geometry(problem: BlockProblem, name: str, about: str) -> Path:
+    """Write the picture NAME-geometry.png; return its path. FileError."""
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
+    d, m = problem.dimension, " [m]" * bool(problem.unit("m"))
     with rc_context(drawing.STYLE):
-        figure = Figure(figsize=(10.8, 3.4 if len(axes) == 1 else 7.0))
-        view = figure.add_subplot(projection="3d" if len(axes) == 3 else None)
+        figure = Figure(figsize=(10.8, 3.4 if d == 1 else 7.0))
+        view = figure.add_subplot(projection="3d" if d == 3 else None)
         for k in range(len(problem.blocks)):
             _draw_block(view, problem, k)
-        view.set(**{f"{axis}label": label for axis, label in zip("xyz", axes)})
+        axes = [*"XYZ"[: d - 1], "r" if problem.symmetry else "XYZ"[d - 1]]
+        view.set(**{f"{axis}label": f"{X}{m}" for axis, X in zip("xyz", axes)})
         view.grid(visible=False)
         view.use_sticky_edges = False
         view.margins(0.08)
-        if len(axes) == 1:
+        if d == 1:
             view.yaxis.set_visible(False)
             view.spines["left"].set_visible(False)
         else:
             view.set_aspect("equal")
         view.set_anchor("NW")
         drawing.legend_above(view, "right")
-        drawing.set_title(figure, title)
-        return drawing.save(figure, target)
+        drawing.set_title(figure, f"{name}: {about}")
+        return drawing.save(figure, Path(f"{name}-geometry.png"))
 
 
 def _lines(X: Array, most: int = 1) -> Iterator[Array]:

@@ -198,7 +198,8 @@ class Layer(Mapping[str, Array]):
         # whether each depends on its own axis alone
         if all(of.size and np.ptp(of, axis=0).max() <= 1e-12 * np.ptp(of) for of in rows):
             known = [of[0] for of in rows]
-        self.X, self.Y, self.Z = [*known, *[np.zeros(1)] * (3 - d)]
+        known += [np.zeros(1)] * (3 - d)
+        self.X, self.Y, self.Z = known
 
     x = property(lambda self: self["x"])
     y = property(lambda self: self["y"])

@@ -59,11 +59,8 @@ def geometry(arguments: list[str], comm: Comm) -> None:
     problem = build_problem(case, {**opt, "fsi_coupling": "conservative"}, comm)  # of blocks
 
     def show() -> None:
-        d, target = problem.dimension, Path(f"{case.NAME}-geometry.png")
-        axes = [*"XYZ"[: d - 1], "r" if problem.symmetry else "XYZ"[d - 1]]
-        labels = [f"{x} [m]" if problem.unit("m") else x for x in axes]
         rows = geometry_rows(problem)
-        drawn = draw_geometry(target, problem, f"{case.NAME}: {rows[-1][1]}", labels)
+        drawn = draw_geometry(problem, case.NAME, rows[-1][1])
         if not opt["fsi_quiet"]:
             say(f"{table(rows)}\npicture in {drawn}")
 
