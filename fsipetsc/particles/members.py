@@ -15,7 +15,6 @@ the solid does that.
 """
 
 from collections import defaultdict
-from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -61,7 +60,6 @@ class Face(NamedTuple):
         return f"{kind} of '{block}', axis {self.axis}, side {self.side},"
 
 
-@dataclass
 class Particle:
     """The conditions of one particle.
 
@@ -75,14 +73,45 @@ class Particle:
     faces whose conditions hold gas or solid.
     """
 
-    members: list[tuple[int, int]]
-    sticks: bool = False
-    shares_heat: bool = False
-    one_T: bool = False
-    stores: bool = False
-    constraints: list[tuple[int, list[Face]]] = field(default_factory=list)
-    faces: dict[str, Face] = field(default_factory=dict)
-    held: list[Face] = field(default_factory=list)
+    def __init__(self, problem: BlockProblem, members: list[tuple[int, int]], faces: Any) -> None:
+        """faces: (block, node) -> its faces. InputError."""
+        self._problem, self.members, self.faces = problem, members, dict[str, Face]()
+        self.constraints, self.sticks, self.shares_heat = list[Any](), False, False
+        at_solids, found = list[Face](), list[Face]()  # of a gas; with conditions
+        for face in (face for member in members for face in faces[member]):
+            gas = problem.blocks[face.block].material
+            if not isinstance(face.met, Meeting):
+                found.append(face)
+            elif gas.kind == "fluid" != problem.blocks[face.met.block].kind:
+                at_solids.append(face)
+                solid = problem.blocks[face.met.block].material
+                self.sticks |= gas.mu > 0.0
+                self.shares_heat |= gas.kappa > 0.0 and solid.kappa_e > 0.0
+        for face in found:
+            self._take_over(face, problem.blocks[face.block].kind == "fluid")
+        self.held = [face for face in found if face.met.part or face.met.all_given]
+        if hinges := problem.hinges.intersection(members):
+            hinge = Face(*min(hinges), -1, 0, Clamped())
+            self.held.insert(0, hinge)
+            self.faces.setdefault("clamp", hinge)
+        if "given_solid" in self.faces:
+            self.faces.pop("clamp", None)
+        for face in self.held if self.sticks and not self.holds else ():
+            # the gas in the corner would be pressed together without end, and push the solid
+            if face.met.part == "wall" and not face.met.slides:
+                place = place_text(problem.places(members[0][0], np.array([members[0][1]]))[0])
+                raise InputError(
+                    f"{face.said(problem)} meets at {place} a solid that slides along it: no grid "
+                    "converges there: let the wall be Slip or have a slip_length, or the solid be "
+                    "clamped there"
+                )
+        self._constrain(at_solids, found)
+        self._find_heat([problem.blocks[k].material for k, _ in members])
+
+    @property
+    def holds(self) -> bool:
+        """Whether the motion of its solid is given."""
+        return not self.faces.keys().isdisjoint(("clamp", "given_solid"))
 
     def moved_by(self, name: str) -> bool:
         """Whether the condition of this name, if there is one, moves by itself."""
@@ -111,12 +140,13 @@ class Particle:
         """Whether walls or given faces move it by themselves."""
         return any(map(self.moved_by, ("wall", "slip", "given_gas")))
 
-    def facts(self, problem: BlockProblem) -> dict[str, int]:
+    def facts(self) -> dict[str, int]:
         """What procedures are told of it. moves_…, heats_…: where the energy is booked by which
         gas or solid are moved and heated; column: where the mass of its gas is.
         """
-        faces, gases = self.faces, [k for k, b in enumerate(problem.blocks) if b.kind == "fluid"]
-        given, holds = "given_solid" in faces, not faces.keys().isdisjoint(("clamp", "given_solid"))
+        problem, faces, given = self._problem, self.faces, "given_solid" in self.faces
+        gases = [k for k, block in enumerate(problem.blocks) if block.kind == "fluid"]
+        held = not faces.keys().isdisjoint(("wall", "given_gas")) or (self.sticks and self.holds)
 
         def column(face: Face | None) -> int:
             return problem.column(face and face.name)
@@ -124,9 +154,8 @@ class Particle:
         return {
             **{name: name in faces for name in ("wall", "clamp", "given_gas", "given_solid")},
             **{name: getattr(self, name) for name in ("sticks", "shares_heat", "one_T", "moves")},
-            "free_gas": faces.keys().isdisjoint(("wall", "given_gas"))
-            and not (self.sticks and holds),
-            "free_solid": not holds,
+            "free_gas": not held,
+            "free_solid": not self.holds,
             "placed": given or self.moved_by("clamp"),
             "warm_gas": self.warms("warm_gas"),
             "warm_solid": given or self.warms("warm_solid"),
@@ -139,6 +168,70 @@ class Particle:
             "law": problem.law_at(self.members),
         }
 
+    def _take_over(self, face: Face, gas: bool) -> None:
+        """Note what a face's condition prescribes; of two for the same the moving one."""
+        met, faces = face.met, self.faces
+        name = "" if met.part == "roller" else met.part
+        name = "slip" if name == "wall" and (self.sticks or met.slides) else name
+        if met.all_given:
+            name = "given_gas" if gas else "given_solid"
+        elif name in faces:
+            moving, moved = (c.x or c.velocity for c in (met, faces[name].met))
+            name = name if moving and not moved else ""
+        warm = "warm_gas" if gas else "warm_solid"
+        faces |= {taken: face for taken in (name, warm if met.warms else "") if taken}
+
+    def _constrain(self, at_solids: list[Face], found: list[Face]) -> None:
+        """Find the constraints; at_solids: faces of the gas, found: those with conditions."""
+        problem = self._problem
+        sliding = [(problem.blocks[face.block].kind, face) for face in found if self.slides(face)]
+        slips, rolls = ([face for of, face in sliding if of == kind] for kind in ("fluid", "solid"))
+
+        @cache
+        def directions(*face: int) -> tuple[Array, Array]:
+            """Outward unit normal, and unit vector from the node into the face."""
+            normal, place, within = problem.face_normal(*face)
+            into = within - place  # 0 in the middle of a face, where no other wall is
+            return normal, into / (np.linalg.norm(into) or 1.0)
+
+        def one_wall(one: Face, other: Face) -> bool:
+            """Unless one goes into the other's gas."""
+            (n, into), (m, along) = directions(*one[:4]), directions(*other[:4])
+            return bool(min(into @ m, along @ n) > CONCAVE)
+
+        def one_roller(one: Face, other: Face) -> bool:
+            return bool(directions(*one[:4])[0] @ directions(*other[:4])[0] > SMOOTH)
+
+        if self.sticks:
+            slips = [one for one in slips if not any(one_roller(one, roll) for roll in rolls)]
+        else:
+            slips = [*at_solids, *slips]
+        for kind, faces, one in (SLIPS, slips, one_wall), (ROLLS, rolls, one_roller):
+            groups: list[list[Face]] = []  # of which each face is one with all others
+            for face in faces:
+                fitting = (group for group in groups if all(one(face, other) for other in group))
+                if (group := next(fitting, None)) is None:
+                    groups.append(group := [])
+                group.append(face)
+            for group in groups:
+                walls_first = sorted(group, key=lambda face: isinstance(face.met, Meeting))
+                self.constraints.append((kind, walls_first))
+
+    def _find_heat(self, materials: list[Any]) -> None:
+        """Who has one temperature, and whether elastic energies matter to it."""
+        faces, names = self.faces, ("given_gas", "given_solid", "warm_gas", "warm_solid")
+        if "given_gas" in faces:
+            faces.pop("warm_gas", None)
+        known = [faces[name] for name in names if name in faces]
+        if self.shares_heat and known:
+            faces["warm_gas"] = faces["warm_solid"] = known[0]
+        solids = [material for material in materials if material.kind == "solid"]
+        elastic = any(solid.heat == "elastic" for solid in solids)
+        conducts = all(solid.heat == "coupled" or solid.kappa_e > 0.0 for solid in solids)
+        prescribed = self.warms("warm_solid") or "given_solid" in faces
+        self.one_T = len(solids) > 1 and (conducts or prescribed)
+        self.stores = elastic and (self.one_T or prescribed or self.shares_heat)
+
 
 def particles_of(problem: BlockProblem) -> list[Particle]:
     """All particles of a problem, in the order of their first members. InputError, on all ranks."""
@@ -147,110 +240,4 @@ def particles_of(problem: BlockProblem) -> list[Particle]:
         for (axis, side), stands in problem.kinds[k].items():
             for n in problem.blocks[k].face_nodes(axis, side).tolist():
                 met[k, n].append(Face(k, n, axis, side, stands))
-    return [_particle(problem, members, met) for members in problem.members]
-
-
-def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any) -> Particle:
-    """faces: (block, node) -> its faces."""
-    particle = Particle(members)
-    at_solids: list[Face] = []  # of a gas
-    found: list[Face] = []  # with conditions
-    for face in (face for member in members for face in faces[member]):
-        gas = problem.blocks[face.block].material
-        if not isinstance(face.met, Meeting):
-            found.append(face)
-        elif gas.kind == "fluid" != problem.blocks[face.met.block].kind:
-            at_solids.append(face)
-            solid = problem.blocks[face.met.block].material
-            particle.sticks |= gas.mu > 0.0
-            particle.shares_heat |= gas.kappa > 0.0 and solid.kappa_e > 0.0
-    for face in found:
-        _take_over(particle, face, problem.blocks[face.block].kind == "fluid")
-    particle.held = [face for face in found if face.met.part or face.met.all_given]
-    if hinges := problem.hinges.intersection(members):
-        hinge = Face(*min(hinges), -1, 0, Clamped())
-        particle.held.insert(0, hinge)
-        particle.faces.setdefault("clamp", hinge)
-    if "given_solid" in particle.faces:
-        particle.faces.pop("clamp", None)
-    for face in particle.held if particle.sticks else ():
-        free = not particle.faces.keys() & {"clamp", "given_solid"}
-        # the gas in the corner would be pressed together without end, and push the solid
-        if free and face.met.part == "wall" and not face.met.slides:
-            place = place_text(problem.places(members[0][0], np.array([members[0][1]]))[0])
-            raise InputError(
-                f"{face.said(problem)} meets at {place} a solid that slides along it: no grid "
-                "converges there: let the wall be Slip or have a slip_length, or the solid be "
-                "clamped there"
-            )
-    _constrain(particle, problem, at_solids, found)
-    _heat_conditions(particle, [problem.blocks[k].material for k, _ in members])
-    return particle
-
-
-def _take_over(particle: Particle, face: Face, gas: bool) -> None:
-    """Note what a face's condition prescribes; of two that prescribe the same the moving one."""
-    met, faces = face.met, particle.faces
-    name = "" if met.part == "roller" else met.part
-    name = "slip" if name == "wall" and (particle.sticks or met.slides) else name
-    if met.all_given:
-        name = "given_gas" if gas else "given_solid"
-    elif name in faces:
-        moving, moved = (c.x or c.velocity for c in (met, faces[name].met))
-        name = name if moving and not moved else ""
-    warm = "warm_gas" if gas else "warm_solid"
-    faces |= {taken: face for taken in (name, warm if met.warms else "") if taken}
-
-
-def _constrain(
-    particle: Particle, problem: BlockProblem, at_solids: list[Face], found: list[Face]
-) -> None:
-    """Find the constraints of a particle; found: its faces with conditions."""
-    sliding = [(problem.blocks[face.block].kind, face) for face in found if particle.slides(face)]
-    slips, rolls = ([face for of, face in sliding if of == kind] for kind in ("fluid", "solid"))
-
-    @cache
-    def directions(*face: int) -> tuple[Array, Array]:
-        """Outward unit normal, and unit vector from the node into the face."""
-        normal, place, within = problem.face_normal(*face)
-        into = within - place  # 0 in the middle of a face, where no other wall is
-        return normal, into / (np.linalg.norm(into) or 1.0)
-
-    def one_wall(one: Face, other: Face) -> bool:
-        """Unless one goes into the other's gas."""
-        (n, into), (m, along) = directions(*one[:4]), directions(*other[:4])
-        return bool(min(into @ m, along @ n) > CONCAVE)
-
-    def one_roller(one: Face, other: Face) -> bool:
-        return bool(directions(*one[:4])[0] @ directions(*other[:4])[0] > SMOOTH)
-
-    if particle.sticks:
-        slips = [one for one in slips if not any(one_roller(one, roll) for roll in rolls)]
-    else:
-        slips = [*at_solids, *slips]
-    for kind, faces, one in (SLIPS, slips, one_wall), (ROLLS, rolls, one_roller):
-        groups: list[list[Face]] = []  # of which each face is one with all others
-        for face in faces:
-            fitting = (group for group in groups if all(one(face, other) for other in group))
-            if (group := next(fitting, None)) is None:
-                groups.append(group := [])
-            group.append(face)
-        for group in groups:
-            walls_first = sorted(group, key=lambda face: isinstance(face.met, Meeting))
-            particle.constraints.append((kind, walls_first))
-
-
-def _heat_conditions(particle: Particle, materials: list[Any]) -> None:
-    """Who has one temperature, and whether elastic energies matter to it."""
-    faces, names = particle.faces, ("given_gas", "given_solid", "warm_gas", "warm_solid")
-    if "given_gas" in faces:
-        faces.pop("warm_gas", None)
-    known = [faces[name] for name in names if name in faces]
-    if particle.shares_heat and known:
-        faces["warm_gas"] = faces["warm_solid"] = known[0]
-    solids = [material for material in materials if material.kind == "solid"]
-    elastic = any(solid.heat == "elastic" for solid in solids)
-    conducts = all(solid.heat == "coupled" or solid.kappa_e > 0.0 for solid in solids)
-    prescribed = particle.warms("warm_solid") or "given_solid" in faces
-    particle.one_T = len(solids) > 1 and (conducts or prescribed)
-    particle.stores = elastic and (particle.one_T or prescribed or particle.shares_heat)
+    return [Particle(problem, members, met) for members in problem.members]

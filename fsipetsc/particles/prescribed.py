@@ -121,8 +121,8 @@ class Prescribed:
                     continue
                 about = f"{place_of(c.velocity)}: velocity of {type(c).__name__}"
                 if c.moves and t_end > 0.0:
-                    alone, some = replace(c, velocity=None), times[2:5]
-                    v, rate = (self._velocities(one, who, some) for one in (c, alone))
+                    both, some = (c, replace(c, velocity=None)), times[2:5]
+                    v, rate = (self._velocities(one, who, some) for one in both)
                     most = WRONG * max(np.abs(v).max(), np.abs(rate).max())
                     wanted = "that of x", "expected the derivative of x, or x alone"
                     self._require(v, rate, most, who, some, about, *wanted)
@@ -130,10 +130,10 @@ class Prescribed:
                     faces = [self._particles[p].faces["wall"] for p in who]
                     n = np.array([self._problem.face_normal(*face[:4])[0] for face in faces]).T
                     wanted = "across the wall, and along it", "expected that, or x, too"
-                    for t in times:
-                        v = self._velocities(c, who, [t])
-                        along, most = v - (v * n).sum(axis=1) * n, ACROSS * np.abs(v).max()
-                        self._require(v, along, most, who, [t], about, *wanted)
+                    v = self._velocities(c, who, times)
+                    along = v - (v * n).sum(axis=1, keepdims=True) * n
+                    most = ACROSS * np.abs(v).max(axis=1).max(axis=1, keepdims=True)
+                    self._require(v, along, most, who, times, about, *wanted)
         for faces, who in self._meetings():
             both = [self._velocities(face.met, who, times) for face in faces]
             most = APART * np.maximum(*(np.linalg.norm(v, axis=1) for v in both))

@@ -129,8 +129,8 @@ class ParticleSystem:
         constraint = np.zeros((len(every), most), int)
         for p, one in enumerate(every):
             constraint[p, : len(one.constraints)] = [kind for kind, _ in one.constraints]
-        of_each = [one.facts(problem) for one in every]
-        names = Particle([]).facts(problem)
+        of_each = [one.facts() for one in every]
+        names = Particle(problem, [], {}).facts()
         facts = {name: np.array([of[name] for of in of_each], int) for name in names}
         return {"facts": SimpleNamespace(mine=mine.astype(int), **facts), "constraint": constraint}
 

@@ -30,7 +30,7 @@ the largest s of f = rho, p and a_j . u, with the sizes 0.05 (rho_j+1 + 2 rho_j 
 of K, and 2 c_j |a_j|; 0 at an end. Of a_j . u the d_+ and d_- below 0 count, which compress. After
 R. C. Swanson and E. Turkel, J. Comput. Phys. 101, 1992, for p and with p as the size. Finite
 volumes between the nodes of a summation-by-parts scheme: S. Hennemann et al., J. Comput. Phys. 426,
-2021. That alpha may vary from pair to pair was derived for this program.
+2021.
 
 In a solid what motion it takes becomes heat at the same place: with K the wave modulus at rest and
 M_q the mean of the nodes in the middle of a difference, where A^k is taken, too,
@@ -50,11 +50,10 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from fsipetsc.equations.vectors import add, along, choose, dot, mean, scale, sub
+from fsipetsc.equations.vectors import add, add_last, along, choose, dot, mean, scale, sub
 from fsipetsc.kernels.arrays import column, row
 from fsipetsc.kernels.loops import each, variable, when
 from fsipetsc.operators.sbp import undivided
-from fsipetsc.scheme.gas_terms import collect_force
 from fsipetsc.scheme.part import area, gas_at, moving, nodes_of
 
 #: s up to which there is no shock, and how fast alpha rises from there
@@ -225,8 +224,9 @@ class GasDamping(Damping):
             more = sub(more, F[: d + 2])
             if raises:
                 power = part.volume.potential[node] * F[0] - F[-1]
-        if raises:
-            collect_force(part, sums, per_weight, power, own)
+        if raises:  # the force of links, and the power of what diffuses
+            supplied, force = part.volume.supplied, add_last(power, sums[d + 2 :])
+            supplied[own] = along(row(force, supplied, own), per_weight, force)
         rates[own, 1:] = along(row(more, rates, own, 1), per_weight, more)
 
     def split_pairs(self, part, k):

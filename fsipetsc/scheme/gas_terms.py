@@ -1,11 +1,10 @@
 """What a gas has beside its sweep: which flux two nodes exchange, a constant force; what is
 done with a rank's part of a block in a step.
 
-A constant force b, such as gravity, acts node by node or pair by pair. Node by node, J rho b and
-its power are added to the rates. A gas at rest then stays so to the order of the scheme only, and
-small motions may grow. With the two-point fluxes that conserve entropy, the force comes from its
-potential Phi = - b . x, pair by pair (fsipetsc.equations.gas). Then a gas of uniform temperature
-stays at rest to round-off, and on a grid at rest energy plus rho Phi is kept.
+A constant force b, such as gravity, acts node by node: J rho b and its power are added to rates.
+With the two-point fluxes that conserve entropy, it comes from its potential Phi = - b . x, pair by
+pair (fsipetsc.equations.gas). Then a gas of uniform temperature stays at rest to round-off, and on
+a grid at rest energy plus rho Phi is kept (docs/derivation.md).
 
 Dissipation (fsipetsc.scheme.dissipation) must not disturb that rest, and mass that diffuses in
 the potential does work. The energy with rho Phi has the entropy variables
@@ -36,7 +35,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.equations.vectors import add, add_last, along, dot, scale, sub
+from fsipetsc.equations.vectors import add, dot, scale, sub
 from fsipetsc.kernels.arrays import column, row
 from fsipetsc.kernels.loops import each
 from fsipetsc.materials.stiffened_gas import PerfectGas, stiffened_gas
@@ -79,14 +78,6 @@ def convection_of(option: str, gas: Any) -> Form:
     return Form(entropy, entropy and any(gas.force))
 
 
-def collect_force(part, sums, per_weight, power, own):
-    """Add the force of links, the last of the sums of an owned node, and the power of what diffuses
-    to what is supplied there.
-    """
-    supplied, more = part.volume.supplied, add_last(power, sums[-len(part.like) - 1 :])
-    supplied[own] = along(row(more, supplied, own), per_weight, more)
-
-
 def find_potential(part):
     """Fill in Phi = - b . x of the nodes of the ghosted array."""
     potential, places, force = part.volume.potential, part.places, part.laws.force
@@ -108,9 +99,8 @@ def add_force(part, q, ghosted, rates, gain):
         """Force and power at a node, per volume of the reference coordinates."""
         if part.form.raises:
             *force, power = row((*b, 0.0), supplied, i)
-            u = [q[i, 2 + c] / q[i, 1] for c in range(d)]
             for c in range(d):
-                power = power + force[c] * u[c]
+                power = power + force[c] * (q[i, 2 + c] / q[i, 1])
         else:
             force, power = scale(q[i, 1], b), dot(b, row(b, q, i, 2))
         for c, value in enumerate((*force, power), 2):
