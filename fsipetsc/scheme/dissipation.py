@@ -108,10 +108,10 @@ class Damping(SimpleNamespace):
 
     def difference(self, read, i, k, sign=1.0):
         """Return that of the numbers f = read(n) of nodes, from node i on along axis k."""
-        stride, found = self.strides[k], ()
-        for m, weight in enumerate(scale(sign, self.weights)):
-            f = read(i + m * stride)
-            found = along(found, weight, f) if m else scale(weight, f)
+        first, *others = scale(sign, self.weights)
+        found = scale(first, read(i))
+        for m, weight in enumerate(others, 1):
+            found = along(found, weight, read(i + m * self.strides[k]))
         return found
 
     def sense(self, steepness, k, length):
@@ -317,7 +317,9 @@ class SolidDamping(Damping):
         """Add this term to the rates (M, 2d + 1) of the owned nodes, and its work to what is lost;
         q (N, 2d + 1): with a halo of q + 1 nodes at least.
         """
-        d, self.work[:] = len(part.like), 0.0
+        d = len(part.like)
+        if part.loses:
+            self.work[:] = 0.0
         for k in range(d):
             with when(self.b != 0.0):
                 self.sense(partial(self.bent, part, q), k, part.patch.ghosted[k])
