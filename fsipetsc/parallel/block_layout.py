@@ -7,6 +7,10 @@ blocks. A part has planes, one unknown of all nodes after the other:
     solid   (D_1 … D_d, v_1 … v_d, e)                           2 d + 1 numbers
 
 Nodes of a block are numbered n = i_0 + N_0 (i_1 + N_1 i_2), and so are those of a rank's part.
+
+Halos are the nodes beside its own that a rank gets from others. Ghosted arrays have planes, too,
+and one memory, so that one message has what a rank needs of all blocks from another one. All ranks
+know from the shares which nodes each of them needs.
 """
 
 from __future__ import annotations
@@ -23,11 +27,12 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from fsipetsc.blocks.block import mesh
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
 from fsipetsc.operators.sbp import AXIS, NO_AXIS, OPERATORS, Patch
 from fsipetsc.parallel.block_shares import Extent, share_out
-from fsipetsc.parallel.exchange import Exchange, Reach, Route
+from fsipetsc.parallel.exchange import Exchange, Route
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -83,25 +88,20 @@ class BlockLayout:
         d, blocks = problem.dimension, problem.blocks
         self.shapes = [tuple(map(int, block.shape)) for block in blocks]
         self.dofs = [d + 3 if block.kind == "fluid" else 2 * d + 1 for block in blocks]
-        extents = [self._extent(k, shocks) for k in range(len(blocks))]
-        self.shares = share_out(extents, comm.size, partition)
+        self._extents = [self._extent(k, shocks) for k in range(len(blocks))]
+        self.shares = share_out(self._extents, comm.size, partition)
         sizes = (share.nodes(comm.rank).size for share in self.shares)
         self._begins = [0, *accumulate(map(mul, self.dofs, sizes))]
         self.auxiliary, self.local_size = auxiliary, self._begins[-1] + auxiliary
-        reaches = {
-            k: Reach(share, blocks[k].periodic, extents[k].halo, problem.centred(k))
-            for k, share in enumerate(self.shares)
-            if comm.rank in share.ranks
-        }
-        nodes = (prod(b - a for a, b in r.ghosted(comm.rank)) for r in reaches.values())
-        begins = [0, *accumulate(self.dofs[k] * n for k, n in zip(reaches, nodes))]
+        here = [k for k, share in enumerate(self.shares) if comm.rank in share.ranks]
+        nodes = (prod(b - a for a, b in self._ghosted(k, comm.rank)) for k in here)
+        begins = [0, *accumulate(self.dofs[k] * n for k, n in zip(here, nodes))]
         memory = zeros(begins[-1])
         self.parts, halos = dict[int, Part](), list[Route]()
-        for (k, reach), at in zip(reaches.items(), begins):
-            halo, inside = reach.routes(comm.rank, self.dofs[k], self._begins[k], at)
+        for k, at in zip(here, begins):
+            halo, inside = self._routes(k, at)
             halos.append(halo)
-            inside_of = Exchange(comm, HALO_TAG, [inside], memory)
-            self.parts[k] = self._part(k, reach, memory[at:], inside_of)
+            self.parts[k] = self._part(k, memory[at:], Exchange(comm, HALO_TAG, [inside], memory))
         self.halos = Exchange(comm, HALO_TAG, halos, memory)
 
     def _extent(self, k: int, shocks: bool) -> Extent:
@@ -125,16 +125,66 @@ class BlockLayout:
         cut = max(op.rows + max(op.p, halo - op.p), halo), max(2 * op.p, halo)
         return Extent(block.kind, shape, tuple(cut[closed] for closed in block.periodic), halo)
 
-    def _part(self, k: int, reach: Reach, memory: Array, inside: Exchange) -> Part:
+    def _ghosted(self, k: int, rank: int) -> tuple[tuple[int, int], ...]:
+        """First node and first beyond of a rank's ghosted array along each axis: it goes on beyond
+        the ends of periodic axes; images before a centre have numbers below 0.
+        """
+        found, block, width = [], self.problem.blocks[k], self._extents[k].halo
+        for axis, (a, b) in enumerate(self.shares[k].part(rank)):
+            first, beyond = a - width, b + width
+            if not block.periodic[axis]:
+                images = self.problem.centred(k) and axis == block.dimension - 1 and a == 0
+                first = first if images else max(first, 0)
+                beyond = min(beyond, self.shapes[k][axis])
+            found.append((first, beyond))
+        return tuple(found)
+
+    def _nodes(self, k: int, rank: int) -> tuple[Numbers, Numbers, Numbers]:
+        """Places in a rank's ghosted array of the nodes that it owns, and of those that others send
+        to it, or that it owns and has once more (of a periodic axis); numbers of the latter.
+        """
+        index = [i.ravel() for i in mesh([np.arange(*ends) for ends in self._ghosted(k, rank)])]
+        own, periodic = self.shares[k].part(rank), self.problem.blocks[k].periodic
+        inside = np.all([(i >= a) & (i < b) for i, (a, b) in zip(index, own)], axis=0)
+        known = np.all([(i >= 0) | closed for i, closed in zip(index, periodic)], axis=0)
+        places = np.flatnonzero(known & ~inside)
+        numbers = np.ravel_multi_index([i[places] for i in index], self.shapes[k], "wrap", "F")
+        return np.flatnonzero(inside), places, numbers
+
+    def _routes(self, k: int, at: int) -> tuple[Route, Route]:
+        """What fills the halo of this rank, and what copies the nodes that it owns to its ghosted
+        array, (dof, N), which begins at a place in the memory of all.
+        """
+        me, share, begin = self.comm.rank, self.shares[k], self._begins[k]
+        inside, places, wanted = self._nodes(k, me)
+        numbers, N = share.nodes(me), prod(b - a for a, b in self._ghosted(k, me))
+        planes = np.arange(self.dofs[k])[:, None]
+
+        def here(nodes: Numbers) -> Numbers:
+            among = np.searchsorted(numbers, nodes)
+            return (begin + planes * numbers.size + among).ravel()
+
+        def there(places: Numbers) -> Numbers:
+            return (at + planes * N + places).ravel()
+
+        owners = share.owners(wanted)
+        needs = {rank: self._nodes(k, rank)[2] for rank in share.ranks if rank != me}
+        sent = {rank: here(nodes[share.owners(nodes) == me]) for rank, nodes in needs.items()}
+        received = {rank: there(places[owners == rank]) for rank in needs}
+        twice = here(wanted[owners == me]), there(places[owners == me])
+        return Route(sent, received, twice), Route({}, {}, (here(numbers), there(inside)))
+
+    def _part(self, k: int, memory: Array, inside: Exchange) -> Part:
         """This rank's part of block k, whose ghosted array is the beginning of ``memory``."""
         block, dof, rank = self.problem.blocks[k], self.dofs[k], self.comm.rank
-        own, ghosted = _padded(reach.share.part(rank)), _padded(reach.ghosted(rank))
+        share = self.shares[k]
+        own, ghosted = _padded(share.part(rank)), _padded(self._ghosted(k, rank))
         sizes = [tuple(b - a for a, b in spans) for spans in (own, ghosted)]
         patch = Patch(*sizes, tuple(a - g for (a, _), (g, _) in zip(own, ghosted, strict=True)))
         axes = range(block.dimension)
         bands = [self.problem.band(k, self.order, axis).part(*ghosted[axis]) for axis in axes]
         local = memory[: dof * prod(patch.ghosted)].reshape(dof, -1)
-        images = ghosted[axes[-1]][0] < 0 and reach.centred
+        images = ghosted[axes[-1]][0] < 0 and self.problem.centred(k)
         odd = (axes[-1], axes[-1] + block.dimension) if block.kind == "solid" else dof - 2
         return Part(
             k=k,
@@ -143,7 +193,7 @@ class BlockLayout:
             bands=(*bands, *[NO_AXIS] * (AXES - len(bands))),
             dof=dof,
             begin=self._begins[k],
-            numbers=reach.share.nodes(rank),
+            numbers=share.nodes(rank),
             halo=local if own != ghosted else local[:, :0].copy(),
             inside=inside,
             signs=np.where(np.isin(np.arange(dof), odd), -1.0, 1.0)[: dof * images],

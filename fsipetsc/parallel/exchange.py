@@ -3,16 +3,11 @@ are one call on any number of ranks (fsipetsc.kernels.procedure).
 
 Ranks send each other one message to each neighbour an exchange, by persistent requests of MPI. Who
 sends what is known before: an exchange is made of places in flat arrays.
-
-Halos are the nodes beside its own that a rank gets from others. Ghosted arrays have planes, a
-component after the other, and one memory, so that one message has what a rank needs of all blocks
-from another one. All ranks know from the shares which nodes each of them needs.
 """
 
 import ctypes
 from collections.abc import Mapping, Sequence
 from itertools import chain
-from math import prod
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,11 +16,9 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fsipetsc.kernels.procedure import Called
-from fsipetsc.parallel.block_shares import Share
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
-Spans = Sequence[tuple[int, int]]
 _NO = np.zeros(0, np.int64)
 
 
@@ -129,66 +122,6 @@ class Reduction(Called):
 
     def destroy(self) -> None:
         """There is nothing to release."""
-
-
-class Reach(NamedTuple):
-    """Which nodes a rank needs beside its own: ``width`` along each axis, on beyond the ends of
-    periodic axes; centred: and images before the first node of the last axis.
-    """
-
-    share: Share
-    periodic: Sequence[bool]
-    width: int
-    centred: bool
-
-    def ghosted(self, rank: int) -> Spans:
-        """First node and first beyond of a rank's ghosted array along each axis; images before a
-        centre have numbers below 0.
-        """
-        found, last = [], len(self.periodic) - 1
-        for axis, (a, b) in enumerate(self.share.part(rank)):
-            first, beyond = a - self.width, b + self.width
-            if not self.periodic[axis]:
-                images = self.centred and axis == last and a == 0
-                first = first if images else max(first, 0)
-                beyond = min(beyond, self.share.shape[axis])
-            found.append((first, beyond))
-        return tuple(found)
-
-    def _nodes(self, rank: int) -> tuple[Numbers, Numbers, Numbers]:
-        """Places in a rank's ghosted array of the nodes that it owns, and of those that others send
-        to it, or that it owns and has once more (of a periodic axis); numbers of the latter.
-        """
-        shape, index = self.share.shape, np.indices([b - a for a, b in self.ghosted(rank)])
-        index += np.reshape([a for a, _ in self.ghosted(rank)], (-1, *[1] * len(shape)))
-        ends = zip(index, self.share.part(rank), strict=True)
-        inside = np.all([(i >= a) & (i < b) for i, (a, b) in ends], axis=0)
-        known = np.all([(i >= 0) | closed for i, closed in zip(index, self.periodic)], axis=0)
-        numbers = np.ravel_multi_index(tuple(index), shape, "wrap", "F").ravel("F")
-        own, order = (np.flatnonzero(of.ravel("F")) for of in (inside, known & ~inside))
-        return own, order, numbers[order]
-
-    def routes(self, me: int, dof: int, begin: int, at: int) -> tuple[Route, Route]:
-        """What fills the halo of rank ``me``, and what copies the nodes that it owns to its ghosted
-        array. begin: of its numbers in the world vector, planes of nodes; at: of the ghosted array,
-        (dof, N), in the memory of all.
-        """
-        inside, places, wanted = self._nodes(me)
-        numbers, N = self.share.nodes(me), prod(b - a for a, b in self.ghosted(me))
-
-        def here(nodes: Numbers) -> Numbers:
-            among = np.searchsorted(numbers, nodes)
-            return (begin + np.arange(dof)[:, None] * numbers.size + among).ravel()
-
-        def there(places: Numbers) -> Numbers:
-            return (at + np.arange(dof)[:, None] * N + places).ravel()
-
-        owners = self.share.owners(wanted)
-        needs = {rank: self._nodes(rank)[2] for rank in self.share.ranks if rank != me}
-        sent = {rank: here(nodes[self.share.owners(nodes) == me]) for rank, nodes in needs.items()}
-        received = {rank: there(places[owners == rank]) for rank in needs}
-        twice = here(wanted[owners == me]), there(places[owners == me])
-        return Route(sent, received, twice), Route({}, {}, (here(numbers), there(inside)))
 
 
 def _of_mpi(name: str) -> int:
