@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.equations.vectors import add, along, choose, scale, sub
-from fsipetsc.kernels.kernel import SHARED, Kernel
+from fsipetsc.kernels.kernel import SHARED
 from fsipetsc.kernels.loops import each, otherwise, pick, when
 from fsipetsc.operators.sbp import OPERATORS, Array, Band
 
@@ -74,17 +74,7 @@ def axis_of(band: Band, near: Near, places: Any = None) -> Axis:
     return Axis(weights, far, columns, inside)
 
 
-def slope(
-    kernel: Kernel,
-    f: str,
-    layout: str,
-    axis: int,
-    near: Near,
-    count: int = 1,
-    first: int = 0,
-    free: bool = False,
-    apart: str = "",
-) -> tuple[Any, ...]:
+def slope(kernel, f, layout, axis, near, count=1, first=0, free=False, apart=""):
     """D of so many numbers f along the axis of a number, or D° if it is free. In a kernel of nodes
     that are not all inside, weights along axis 0 differ from node to node, and what is beyond the
     end of a row is read, but does not count. apart: of other axes, what ``far`` is multiplied by.

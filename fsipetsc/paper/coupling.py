@@ -31,16 +31,13 @@ with T^ = 0 and without the conditions on the temperature, with K in the place o
 p + mu' u_X + g_stress, both temperatures from (4.21). The energy may grow without bound.
 """
 
-from collections.abc import Sequence
 from types import SimpleNamespace
 
 import numpy as np
 
-from fsipetsc.checks import Array
 from fsipetsc.equations.vectors import choose
 from fsipetsc.kernels.loops import each, stop, variable
 from fsipetsc.operators.sbp import row_length
-from fsipetsc.paper.layers import Layer
 
 #: of a point of a solid
 UNKNOWNS = "u", "sigma", "T", "x"
@@ -57,9 +54,7 @@ class Interface(SimpleNamespace):
     column ``number``.
     """
 
-    def __init__(
-        self, pair: Sequence[Layer], number: int, me: int, kind: str, notes: Array
-    ) -> None:
+    def __init__(self, pair, number, me, kind, notes):
         """That of two layers, the left one first, on rank ``me``."""
         gas, solid = sorted(pair, key=lambda layer: not layer.is_gas)
         super().__init__(kind=kind, gas=gas, solid=solid, notes=notes, number=number)

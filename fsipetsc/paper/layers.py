@@ -5,13 +5,12 @@ x. Some points of a gas are held in reserve, on its outer side. All ranks have m
 of all layers, so that a number has the same place on each of them.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from math import prod
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
 
 from fsipetsc.boundaries import Wall
 from fsipetsc.checks import Array
@@ -204,9 +203,7 @@ class Layer(SimpleNamespace):
         return self.number, self.numbers[own], values, x[:, None], self.X[own, None]
 
 
-def layers_of(
-    comm: MPI.Comm, problem: Problem, opt: Mapping[str, Any], op: SBPOperator, steps: Any
-) -> tuple[Any, ...]:
+def layers_of(comm, problem, opt, op, steps):
     """All layers, on each rank; memory of all frames and the stage, and in the same places of the
     solution before the step and of the sum of its stages; runs of all layers. InputError.
     """
@@ -253,9 +250,7 @@ def layers_of(
     return found, *planes, runs
 
 
-def exchanges_of(
-    comm: MPI.Comm, layers: Sequence[Layer], interfaces: Sequence[Any], memory: Array
-) -> list[RowExchange]:
+def exchanges_of(comm, layers, interfaces, memory):
     """What ranks tell each other: the rows at interfaces; halos, and of a gas its frame, (4.20),
     (4.25), which the rank of its interface knows.
     """

@@ -13,7 +13,7 @@ Nothing is added up over ranks: results are the same on any number of them, bit 
 """
 
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
@@ -55,11 +55,7 @@ class PaperState(State):
     """
 
     def __init__(
-        self,
-        comm: MPI.Comm,
-        problem: Problem,
-        opt: Mapping[str, Any],
-        announce: Callable[[str], None] = lambda text: None,
+        self, comm: MPI.Comm, problem: Problem, opt: Any, announce: Any = lambda text: None
     ) -> None:
         check_form(problem, opt)
         self.comm, self.problem, self.h = comm, problem, opt["fsi_h"]
@@ -86,7 +82,7 @@ class PaperState(State):
         self._reduction = Reduction(comm, reduced)
         self._load_procedures(steps, announce)
 
-    def _load_procedures(self, steps: Any, announce: Callable[[str], None]) -> None:
+    def _load_procedures(self, steps: Any, announce: Any) -> None:
         """Make machine code of all procedures; does: name -> those that this rank calls."""
         code, does = Code(exchange_text()), defaultdict[str, list[Any]](list)
 
