@@ -134,9 +134,7 @@ class SBPOperator:
         return matrix
 
     def norm_weights(self, n: int) -> NDArray[np.float64]:
-        """The diagonal of H, shape (n,), without h. ValueError if n < min_points."""
-        if n < self.min_points:
-            raise ValueError(f"the {self.name} operator needs {self.min_points} points, not {n}")
+        """The diagonal of H, (n,), without h; n: min_points or more."""
         weights = np.ones(n)
         weights[: self.rows] = self.norm
         weights[n - self.rows :] = weights[: self.rows][::-1]

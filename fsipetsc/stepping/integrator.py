@@ -25,7 +25,7 @@ CHECKPOINT = 0.5
 MOST_POINTS = {1: 250_000, 2: 2_000_000, 3: 2_000_000}
 #: most steps in a batch; between batches signals are answered and progress is shown
 MOST_STEPS = 64
-#: what a checkpoint keeps as it is
+#: what a checkpoint has beside the state
 KEPT = "steps", "rejected", "t", "wall_time", "initial", "reached", "saved_at"
 
 
@@ -77,11 +77,6 @@ class Integrator:
             self.batch_limit = max(1, min(MOST_STEPS, most))
 
     @property
-    def memory(self) -> dict[str, Any]:
-        """What a checkpoint has beside the state, as JSON holds it."""
-        return {name: getattr(self, name) for name in KEPT}
-
-    @property
     def _ended(self) -> bool:
         most = self.opt["ts_max_steps"]
         return not self._targets or bool(self.stop_signal) or self.steps >= most
@@ -123,7 +118,6 @@ class Integrator:
                 self.wall_time = time.perf_counter() - begun
                 self._note()
         finally:
-            self.wall_time = time.perf_counter() - begun
             if self._watched:
                 ts.monitor(self.steps, self.t)
             if self._ended and not self._fused:

@@ -35,7 +35,7 @@ from fsipetsc.process.together import say, together
 from fsipetsc.scheme.plan import RATE, longest_step
 from fsipetsc.state import State
 from fsipetsc.stepping import restart
-from fsipetsc.stepping.integrator import Integrator
+from fsipetsc.stepping.integrator import KEPT, Integrator
 from fsipetsc.stepping.notes import first_notes, imaginary_waves, long_steps, of_laws, steep_waves
 from fsipetsc.stepping.restart import Past
 
@@ -252,7 +252,7 @@ class Run(Integrator):
             "options": {k: v for k, v in self.opt.items() if k not in OF_A_RUN},
             "facts": restart.facts(self.state, self.opt),
             "run": self.writer.mark,
-            "memory": self.memory,
+            "memory": {name: getattr(self, name) for name in KEPT},
             "result": [self.writer.nframes, self.writer.rows],
         }
         arrays = self.state.capture()
