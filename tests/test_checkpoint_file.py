@@ -8,7 +8,7 @@ from unittest.mock import Mock
 import h5py
 import numpy as np
 import pytest
-from helpers import different, kept, message, solve, well
+from helpers import kept, message, solve, well
 
 import fsipetsc
 from fsipetsc.errors import FileError
@@ -137,9 +137,9 @@ def test_a_result_that_begins_at_a_restart_is_held_to_its_laws_from_there(tmp_pa
     words = "rod -fsi_h 0.05 -ts_max_time 1 -fsi_checkpoint_steps 300 -ts_max_steps".split()
     assert goes_on(tmp_path, *words, 300, ranks=2) == ""
     own = "-fsi_restart", NEWEST, "-fsi_output", "own.h5"
-    for _ in range(2):  # the first file keeps its contents under another name
-        assert goes_on(tmp_path, *words, 600, *own, ranks=2) == f"{NEWEST}: step 300"
-    assert not different(tmp_path / "own.h5", tmp_path / "own.1.h5", True)
+    for steps in (305, 600):  # the first file is kept under another name
+        assert goes_on(tmp_path, *words, steps, *own, ranks=2) == f"{NEWEST}: step 300"
+    assert fsipetsc.open_run(tmp_path / "own.1.h5").series["t"].size == 5
     begun, gone_on = (fsipetsc.open_run(tmp_path / name) for name in ("rod.h5", "own.h5"))
     assert kept(gone_on, 1e-12).series["t"].size == 300
     reached = {name: begun.series[name][-1] for name in ("mass", "energy", "momentum_x")}
