@@ -223,12 +223,10 @@ def groups(
     own = [option.name.lower() for option in (*case.OPTIONS, *extra)]
     for name in own[: len(case.OPTIONS)]:
         wrong = own.count(name) > 1 or name in TAKEN or name.startswith(tuple(RESERVED))
-        if wrong or not is_option(f"-{name}"):
-            letters = f"begins with a letter, and with none of {', '.join(RESERVED)}"
-            others = f"{letters}, and is none of {', '.join(TAKEN)}"
-            raise InputError(
-                f"case {case.NAME}: option -{name}: expected a name of its own that {others}"
-            )
+        if wrong or not is_option(f"-{name}") or not name.isidentifier():
+            others = f"not {', '.join(TAKEN)}, and begins with none of {', '.join(RESERVED)}"
+            wanted = f"a name of its own of letters, digits and _, which is {others}"
+            raise InputError(f"case {case.NAME}: option -{name}: expected {wanted}")
     for name in [name for name in case.DEFAULTS if name not in known][:1]:
         hint = _nearest(str(name), known)
         raise InputError(f"case {case.NAME}: DEFAULTS has {name!r}, which is no option{hint}")
@@ -246,7 +244,7 @@ def groups(
 
 def defaults(case: Any) -> dict[str, Any]:
     """Return name -> default in force for every option of a case; REQUIRED if it must be given."""
-    return {option.name: option.default for found in groups(case).values() for option in found}
+    return read_table(groups(case), {})
 
 
 def is_option(word: str) -> bool:
@@ -331,14 +329,13 @@ def read_table(
     sections: Mapping[str, Sequence[Option]], given: Mapping[str, str]
 ) -> dict[str, Any]:
     """Return name -> typed value of options of ``groups``. InputError."""
-    options = {option.name: option for found in sections.values() for option in found}
-    known = [*options, *PASSED_ON]
-    unknown = sorted(given.keys() - {name.lower() for name in known})
-    if unknown:
+    options = {option.name.lower(): option for found in sections.values() for option in found}
+    if unknown := sorted(given.keys() - options.keys() - PASSED_ON.keys()):
+        known = [*(option.name for option in options.values()), *PASSED_ON]
         listed = ", ".join(f"-{name}{_nearest(name, known)}" for name in unknown)
         raise InputError(f"unknown option{'s' * (len(unknown) > 1)} {listed}")
     return {
-        name: option.parse(given[name.lower()]) if name.lower() in given else option.default
+        option.name: option.parse(given[name]) if name in given else option.default
         for name, option in options.items()
     }
 

@@ -147,16 +147,13 @@ class View:
         fields = [of for layer in run.layers for of in layer.frame(-1).items()]
         same = [of for field, of in fields if unit_of(field) == self.unit]
         size = max(map(abs, (low, high, *extremes(*same))))
-        # initial data may go far beyond what follows
-        late = [(kind, of[-1]) for kind, k, of in known if k > 0 or len(self.frames) == 1]
-        self.scales = {
-            label: self._scale(
-                label, size, [v for kind, v in late if self.labels.get(kind) == label]
-            )
-            for label in self.labels.values()
-        }
-        last = "r" if run.header.get("symmetry") else "xyz"[run.dimension - 1]
-        last = labelled(run, last, "m")
+        late = [one for one in known if one[1] > 0 or len(self.frames) == 1]
+        self.scales = dict[str, dict[str, Any]]()
+        for label in self.labels.values():  # initial data may go far beyond what follows
+            shown = [of[-1] for kind, _, of in late if self.labels.get(kind) == label]
+            self.scales[label] = self._scale(label, size, shown)
+        axis = "r" if run.header.get("symmetry") else "xyz"[run.dimension - 1]
+        last = labelled(run, axis, "m")
         if self.plane:
             margin = MARGIN * np.ptp(ranges, axis=1).max() * np.array([-1.0, 1.0])
             self.limits, self.axes = [*(ranges + margin)], (labelled(run, "x", "m"), last)

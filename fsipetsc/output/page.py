@@ -40,8 +40,7 @@ CURVES = {
     "linestyle": ["-", "--", "-.", ":"] * 5,
 }
 HTML = """<!DOCTYPE html>
-<meta charset="utf-8">
-<title>{title}</title>
+<meta charset="utf-8"><title>{title}</title>
 <style>img {{ max-width: 100%; }} pre {{ white-space: pre-wrap; }}</style>
 <h1>{title}</h1>
 {pictures}
@@ -234,14 +233,13 @@ def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
     plane = run.dimension > 1
     figure = Figure(figsize=(len(views) * (width + 1.2), height + 0.9) if plane else (WIDTH, 3.4))
     grid = figure.subplots(1, len(views), squeeze=False)[0]
-    titles = {frame: drawing.of_run(run, drawing.moment(run, frame)) for frame in frames}
-    title = drawing.set_title(figure, max(titles.values(), key=len))  # the layout has room for each
+    title = drawing.set_title(figure, drawing.of_run(run, drawing.moment(run, -1)))
 
     def show(frame: int) -> None:
         for axes, view in zip(grid, views):
             axes.clear()
             view.draw(axes, frame)
-        title.set_text(titles[frame])
+        title.set_text(drawing.of_run(run, drawing.moment(run, frame)))
 
     for axes, view in zip(grid, views):
         view.draw(axes, 0)
