@@ -19,9 +19,8 @@ Fields = Sequence[Array | float]
 
 #: cells of a layer: the unknowns of a few such layers can still be counted in 32 bits
 MOST_CELLS = 50_000_000
+#: what a number must be, as `within` reads it
 POSITIVE, NONNEGATIVE, ANY = "above 0", "not below 0", ""
-#: name of a number -> what it must be: "" for any, "above …" or "not below …"
-Ranges = Mapping[str, str]
 #: in the place of X for functions of time alone
 NOWHERE = np.empty((0, 1))
 #: what is asked of a value -> how a message says it, and whether a value is such
@@ -83,7 +82,7 @@ def within(value: float, bound: str) -> bool:
     return value > least or (value == least and not bound.startswith("above"))
 
 
-def numbers(record: Any, owner: str, ranges: Ranges) -> None:
+def numbers(record: Any, owner: str, ranges: Mapping[str, str]) -> None:
     """Make attributes of a frozen dataclass floats within their ranges. InputError."""
     for name, bound in ranges.items():
         object.__setattr__(record, name, number(getattr(record, name), f"{owner}: {name}", bound))

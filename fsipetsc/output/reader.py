@@ -192,9 +192,7 @@ class Layer(Mapping[str, Array]):
         self.places: Array = nodes.reshape(*self.shape, d)
         self.periodic: tuple[bool, ...] = tuple(entry.get("periodic", [False] * d)[::-1])
         known = [*np.moveaxis(self.places, -1, 0)]
-        rows = [
-            np.moveaxis(X, -1 - k, -1).reshape(-1, X.shape[-1 - k]) for k, X in enumerate(known)
-        ]
+        rows = [X.swapaxes(-1 - k, -1).reshape(-1, self.shape[-1 - k]) for k, X in enumerate(known)]
         # whether each depends on its own axis alone
         if all(of.size and np.ptp(of, axis=0).max() <= 1e-12 * np.ptp(of) for of in rows):
             known = [of[0] for of in rows]
@@ -236,8 +234,7 @@ class Layer(Mapping[str, Array]):
 
     def read(self, names: Sequence[str], first: int, end: int) -> list[Array]:
         """Return these fields in the frames from first to end. FileError."""
-        width = len(self.fields)
-        found = [[np.empty((0, *self.shape))] for _ in names]
+        width, parts = len(self.fields), [[np.empty((0, *self.shape))] * len(names)]
         with layout.damage(self._run.path):
             for path, count in self._run._files:
                 a, b = max(first, 0), min(end, count)  # of this file
@@ -251,9 +248,8 @@ class Layer(Mapping[str, Array]):
                             rows = [table[..., self.fields.index(name)].T for name in names]
                         else:
                             rows = [group[name][a:b] for name in names]
-                    for of, values in zip(found, rows):
-                        of.append(values.reshape(b - a, *self.shape))
-        return [of[-1] if len(of) < 3 else np.concatenate(of) for of in found]
+                    parts.append([values.reshape(b - a, *self.shape) for values in rows])
+        return [of[-1] if len(of) < 3 else np.concatenate(of) for of in zip(*parts)]
 
     def __repr__(self) -> str:
         return f"<{self.kind} {self.name!r}: {self.size}; {', '.join(self.fields)}>"
