@@ -128,18 +128,15 @@ DISCRETISATION = (
         "grids of gases; auto: rigid with the paper's couplings, stretched with conservative",
         ("auto", "rigid", "stretched")),
     Option("fsi_viscous", str, "wide", "",
-        "second derivatives: D twice, or, with the paper's couplings, a narrow stencil",
-        ("wide", "narrow")),
+        "second derivatives: D twice, or in the paper's method narrow ones", ("wide", "narrow")),
     Option("fsi_convection", str, "auto", "",
-        "form of convection; entropy: a flux that conserves it; auto: that for perfect and "
-        "stiffened gases, divergence for laws of your own and in the paper's method",
+        "form of convection; auto: entropy, not for laws of your own and in the paper's method",
         ("auto", "divergence", "entropy")),
     Option("fsi_dissipation", float, 0.0, "",
         "dissipation, times its usual size; 0: 1 where blocks are joined, else none; -1: none",
         check=lambda size: -1 <= size <= 3 or "a number from -1 to 3"),
     Option("fsi_shock", float, 0.0, "",
-        "dissipation where a sensor sees a shock, times its usual size; 0: none",
-        check="nonnegative"),
+        "dissipation where a sensor sees a shock, times its usual size", check="nonnegative"),
 )  # fmt: skip
 OUTPUT = (
     Option("fsi_output", str, None, "",
@@ -155,8 +152,7 @@ OUTPUT = (
 CHECKPOINTS = (
     Option("fsi_checkpoint", str, None, "", "file of checkpoints; else NAME.checkpoint.h5"),
     Option("fsi_checkpoint_steps", int, None, "", "steps between checkpoints", check="positive"),
-    Option("fsi_checkpoint_wall", float, None, "s", "wall time between checkpoints",
-        check="positive"),
+    Option("fsi_checkpoint_wall", float, None, "s", "wall time between them", check="positive"),
     Option("fsi_restart", str, None, "", "go on from a checkpoint; auto: the run's own, if any"),
 )  # fmt: skip
 RUN = (
@@ -181,8 +177,7 @@ PETSC_OPTIONS: tuple[Option, ...] = (
         ("fused", "rk", "ssp", "euler")),
     Option("ts_rk_type", str, "4", "", "Runge–Kutta method",
         ("1fe", "2a", "2b", "3", "3bs", "4", "5f", "5dp", "5bs", "6vr", "7vr", "8vr")),
-    Option("ts_adapt_type", str, "none", "", "steps have the length of -fsi_cfl or -ts_dt",
-        ("none",)),
+    Option("ts_adapt_type", str, "none", "", "steps are as -fsi_cfl or -ts_dt say", ("none",)),
     Option("ts_ssp_type", str, "rks2", "", "method of ssp", ("rks2", "rks3", "rk104")),
 )  # fmt: skip
 #: what no option of a case may be called; how names of the program and of PETSc begin
