@@ -88,18 +88,19 @@ def layers(
     cells = [_cells(ends, h, "layers") for ends in along] if cells is None else cells
     if len(cells) != len(along):
         raise InputError(f"layers: cells is {described(cells)}: expected one for each of along")
-    least, axes = 1 if order is None else OPERATORS[order].min_points - 1, range(len(along))
     spans = [_columns(layer, along, cells) for layer in stack]
     cuts = [sorted({0, n}.union(*(span[k] for span in spans))) for k, n in enumerate(cells)]
-    at_sides = []
-    for layer in stack:
-        of = sides if layer.sides is None else layer.sides
-        every = dict.fromkeys(product(axes, (0, 1)), of)
-        at_sides.append({**of} if isinstance(of, Mapping) else every)
-    closed = [len(cuts[k]) == 2 and all(of.get((k, 0)) is None for of in at_sides) for k in axes]
-    blocks, faces, top = {}, {}, stack[0].across[0]
+    places = [
+        [b if column == n else a + (b - a) * column / n for column in cut]
+        for cut, (a, b), n in zip(cuts, along, cells)
+    ]
+    at_sides = [_at_sides(layer, sides, along) for layer in stack]
+    sided = {face for of in at_sides for face in of}
+    closed = [len(cut) == 2 and (k, 0) not in sided for k, cut in enumerate(cuts)]
+    least, top = 1 if order is None else OPERATORS[order].min_points - 1, stack[0].across[0]
+    blocks = {}
     for n, (layer, span) in enumerate(zip(stack, spans)):
-        what = f"layer '{layer.name}'"
+        what, of = f"layer '{layer.name}'", (layer.initial, layer.forcing, layer.exact)
         check("cells", layer.cells, f"{what}: cells")
         low, high = extent(layer.across, what)
         if abs(top - low) > 1e-9 * (high - low):
@@ -107,44 +108,44 @@ def layers(
             raise InputError(f"layers: '{stack[n - 1].name}' {wrong}")
         rows = layer.cells or max(_cells((low, high), h, what), least)
         ranges = [range(*map(cut.index, ends)) for cut, ends in zip(cuts, span)]
-        places = [where[::-1] for where in product(*ranges[::-1])]  # axis 0 fastest
-        for count, where in enumerate(places, 1):
-            columns = [cut[i : i + 2] for cut, i in zip(cuts, where)]
-            ends = [
-                [b if column == most else a + (b - a) * column / most for column in pair]
-                for pair, (a, b), most in zip(columns, along, cells)
-            ]
-            blocks[(*where, n)] = Block(
-                layer.name if len(places) == 1 else f"{layer.name} {count}",
-                layer.material,
-                rectangle(*zip(*ends, (top, high))),  # where the one below ends, to the bit
-                (*(end - begin for begin, end in columns), rows),
-                layer.initial,
-                layer.forcing,
-                layer.exact,
-                periodic=(*closed, False),
-            )
+        columns = [where[::-1] for where in product(*ranges[::-1])]  # axis 0 fastest
+        for count, where in enumerate(columns, 1):
+            name = layer.name if len(columns) == 1 else f"{layer.name} {count}"
+            ends = [x[i : i + 2] for x, i in zip(places, where)]
+            box = rectangle(*zip(*ends, (top, high)))  # from where the one below ends, to the bit
+            size = *(cut[i + 1] - cut[i] for cut, i in zip(cuts, where)), rows
+            block = Block(name, layer.material, box, size, *of, periodic=(*closed, False))
+            blocks[(*where, n)] = block
         top = high
-    for (where, block), axis, side in product(blocks.items(), (*axes, len(along)), (0, 1)):
-        layer, beyond = stack[where[-1]], list(where)
-        beyond[axis] += 2 * side - 1
-        if tuple(beyond) in blocks or block.periodic[axis]:
-            continue
-        missing = f"sides, of ({axis}, {side})"
-        if axis in axes:
-            condition = at_sides[where[-1]].get((axis, side))
-            if condition is None and (layer.span is None or layer.span[axis] is None):
-                shift = [0.0] * len(beyond)
+    faces = {}
+    for where, block in blocks.items():
+        n, layer = where[-1], stack[where[-1]]
+        for axis, side in block.faces:
+            beyond = (*where[:axis], where[axis] + 2 * side - 1, *where[axis + 1 :])
+            if beyond in blocks:
+                continue
+            condition, missing = at_sides[n].get((axis, side)), f"sides, of ({axis}, {side})"
+            if axis == len(along) and 0 <= beyond[axis] < len(stack):
+                condition, missing = layer.beside, "beside=…, as another layer has ended there"
+            elif axis == len(along):
+                condition = (lower, upper)[side]
+            elif condition is None and (layer.span is None or layer.span[axis] is None):
+                shift = [0.0] * len(where)
                 shift[axis] = (along[axis][1] - along[axis][0]) * (1 - 2 * side)
                 condition = Periodic(tuple(shift))
-        elif 0 <= beyond[axis] < len(stack):
-            condition, missing = layer.beside, "beside=…, as another layer has ended there"
-        else:
-            condition = (lower, upper)[side]
-        if condition is None:
-            raise InputError(f"layer '{layer.name}': a face has no condition: expected {missing}")
-        faces[block.name, axis, side] = condition
+            if condition is None:
+                wrong = f"a face has no condition: expected {missing}"
+                raise InputError(f"layer '{layer.name}': {wrong}")
+            faces[block.name, axis, side] = condition
     return BlockProblem(tuple(blocks.values()), faces, **more)
+
+
+def _at_sides(layer: Layer, sides: Sides | None, along: Sequence[Extent]) -> dict[Any, Condition]:
+    """(axis, side) -> what stands there, of the sides of a layer."""
+    of = sides if layer.sides is None else layer.sides
+    if not isinstance(of, Mapping):
+        of = dict.fromkeys(product(range(len(along)), (0, 1)), of)
+    return {face: condition for face, condition in of.items() if condition is not None}
 
 
 def _cells(ends: Extent, h: float | None, what: str) -> int:
