@@ -9,7 +9,7 @@ import numpy as np
 
 from fsipetsc.blocks.block import Block, Range, mesh, size_of
 from fsipetsc.blocks.conditions import Centre, Condition, Hinge
-from fsipetsc.blocks.faces import FaceName, Meeting, meet, number_of, united
+from fsipetsc.blocks.faces import FaceName, Meeting, meet, united
 from fsipetsc.checks import Array, check, described, place_text
 from fsipetsc.errors import InputError
 from fsipetsc.materials.own import knows_entropy
@@ -89,9 +89,13 @@ class BlockProblem:
         every = ((k, face, met) for k, own in enumerate(self.kinds) for face, met in own.items())
         return {(k, *face): c for k, face, c in every if not isinstance(c, (Meeting, Centre))}
 
+    @cached_property
+    def _columns(self) -> dict[Any, int]:
+        return {face: number for number, face in enumerate(self.outer_faces)}
+
     def column(self, face: tuple[int, int, int] | None) -> int:
         """Where the energy of a face, or of none, is among what comes in, see `face_names`."""
-        return [*self.outer_faces, face].index(face)
+        return self._columns.get(face, len(self._columns))
 
     @property
     def face_names(self) -> list[str]:
@@ -209,18 +213,18 @@ class BlockProblem:
         solids.
         """
         blocks, outer = self.blocks, self.outer_faces.values()
-        solids = [block for block in blocks if block.kind == "solid"]
+        solids = [block.material for block in blocks if block.kind == "solid"]
         gases = [k for k, block in enumerate(blocks) if block.kind == "fluid"]
         pairs = ((blocks[gas].material, blocks[k].material) for gas, k in self.interfaces)
         shared = any(gas.kappa > 0.0 and solid.kappa_e > 0.0 for gas, solid in pairs)
         entropy = (
-            all(solid.material.heat == "elastic" for solid in solids)
+            all(solid.heat == "elastic" for solid in solids)
             and all(map(knows_entropy, self.gas_laws))
             and all(condition.conserves_energy for condition in outer)
             and not (shared or self._forced)
         )
-        masses = [solid.material.m0 * size_of(solid, self.symmetry) for solid in solids]
-        capacities = [m * solid.material.alpha for m, solid in zip(masses, solids, strict=True)]
+        sizes = [size_of(block, self.symmetry) for block in blocks if block.kind == "solid"]
+        masses = [solid.m0 * size for solid, size in zip(solids, sizes)]
         joins = np.array(self._pairs("fluid", "fluid"), int).reshape(-1, 2).T
         body_of = united(len(blocks), [tuple(joins)])[gases]
         bodies = [np.flatnonzero(body_of == body).tolist() for body in np.unique(body_of)]
@@ -232,7 +236,7 @@ class BlockProblem:
             "energy": True,
             "entropy": entropy,
             "inertia": sum(masses),
-            "heat_capacity": sum(capacities),
+            "heat_capacity": sum(m * solid.alpha for m, solid in zip(masses, solids)),
         }
 
     # checks
@@ -242,12 +246,11 @@ class BlockProblem:
         where gases of different laws meet, be it at an edge or a vertex alone.
         """
         self.gas_laws, self._law_of = list[Any](), dict[int, int]()
-        for k, block in enumerate(self.blocks):
-            if block.kind == "fluid":
-                law = block.material.gas_law
-                if not any(_same(law, other) for other in self.gas_laws):
-                    self.gas_laws.append(law)
-                self._law_of[k] = [_same(law, other) for other in self.gas_laws].index(True)
+        gases = {k: block.material for k, block in enumerate(self.blocks) if block.kind == "fluid"}
+        for k, gas in gases.items():
+            alike = [_same(gas.gas_law, other) for other in self.gas_laws]
+            self._law_of[k] = [*alike, True].index(True)
+            self.gas_laws += [gas.gas_law] * (not any(alike))
         for members in self.members if len(self.gas_laws) > 1 else ():
             gases = [k for k, _ in members if k in self._law_of]
             if len({self._law_of[k] for k in gases}) > 1:
@@ -293,18 +296,18 @@ class BlockProblem:
 
     def _hinge(self, name: str, place: Any, condition: Hinge) -> tuple[int, int]:
         """(block, node). InputError where no node of a solid's face is at the place."""
-        k, d = number_of(self.blocks, name), self.dimension
-        block, X = self.blocks[k], np.atleast_1d(np.asarray(place, float))
-        where = f"{block}, point at {place_text(X)}"
-        if block.kind != "solid" or not isinstance(condition, Hinge) or X.shape != (d,):
+        solids = {block.name: k for k, block in enumerate(self.blocks) if block.kind == "solid"}
+        X, d = np.atleast_1d(np.asarray(place, float)), self.dimension
+        where = f"BlockProblem: point of {described(name)} at {place_text(X)}"
+        if name not in solids or not isinstance(condition, Hinge) or X.shape != (d,):
             raise InputError(f"{where}: expected (name of a solid, {d} coordinates, Hinge())")
-        nodes, places = self._known[k]
+        nodes, places = self._known[solids[name]]
         apart = np.abs(places.T - X).max(axis=1)
         i = int(np.argmin(apart))
         if not apart[i] <= 1e3 * self.tolerance:
             near = place_text(places[:, i])
             raise InputError(f"{where}: no node of a face is there; the nearest is at {near}")
-        return k, int(nodes[i])
+        return solids[name], int(nodes[i])
 
 
 def _same(law: Any, other: Any) -> bool:

@@ -35,37 +35,9 @@ class Meeting:
 Kinds = dict[tuple[int, int], Condition | Meeting]
 
 
-def number_of(blocks: Sequence[Block], name: Any) -> int:
-    """The number of the block of this name. InputError."""
-    names = [block.name for block in blocks]
-    if name not in names:
-        known = ", ".join(map(repr, names))
-        raise InputError(f"there is no block {described(name)}: expected one of {known}")
-    return names.index(name)
-
-
-def check_faces(blocks: Sequence[Block], faces: Mapping[FaceName, Condition]) -> None:
-    """InputError for wrong names and conditions."""
-    named = isinstance(faces, Mapping)
-    if not named or not all(isinstance(face, tuple) and len(face) == 3 for face in faces):
-        wanted = "expected {(block name, axis, side): condition, …}"
-        raise InputError(f"BlockProblem: faces is {described(faces)}: {wanted}")
-    for name, condition in faces.items():
-        block = blocks[number_of(blocks, name[0])]
-        vectors = (getattr(condition, vector, None) for vector in VECTORS)
-        wrong = ""
-        if name[1:] not in block.faces:
-            wrong = f"expected (axis, side) of {', '.join(map(str, block.faces))}"
-        elif not isinstance(condition, Condition) or block.kind not in condition.of:
-            wrong = f"{type(condition).__name__} is no condition of a {block.kind}"
-        elif {len(v) for v in vectors if isinstance(v, tuple)} - {block.dimension}:
-            wrong = f"{condition}: expected {block.dimension} numbers"
-        if wrong:
-            raise InputError(f"{block}, face (axis {name[1]}, side {name[2]}): {wrong}")
-
-
 class Face:
-    """A face of block number `block`, and the condition that is named for it.
+    """A face of block number `block`, and the condition that is named for it. InputError for one
+    that cannot stand there.
 
     nodes: their numbers, X: their places (N, d). labels: (N,), the same for nodes at one place;
     wanted: those of the nodes that the face meets.
@@ -78,6 +50,12 @@ class Face:
         self.block, self.owner, self.axis, self.side = block, owner, axis, side
         self.condition, self.nodes = condition, owner.face_nodes(axis, side)
         self.X = owner.face_positions(axis, side).T
+        vectors = (getattr(condition, name, None) for name in VECTORS)
+        if condition is not None and owner.kind not in getattr(condition, "of", ()):
+            wrong = f"{type(condition).__name__} is no condition of a {owner.kind}"
+            raise InputError(f"{self}: {wrong}")
+        if {len(v) for v in vectors if isinstance(v, tuple)} - {owner.dimension}:
+            raise InputError(f"{self}: {condition}: expected {owner.dimension} numbers")
 
     def __str__(self) -> str:
         return f"{self.owner}, face (axis {self.axis}, side {self.side})"
@@ -86,24 +64,24 @@ class Face:
         """What stands at this face, at whose place others are. InputError for a condition too many
         or none.
         """
-        condition, wrong = self.condition, ""
+        condition, other, wrong = self.condition, others[0] if others else None, ""
         if len(others) > 1:
-            wrong = f"is at one place with {others[0]} and {others[1]}: expected two faces"
+            wrong = f"is at one place with {other} and {others[1]}: expected two faces"
         elif isinstance(condition, Periodic):
-            if not others or _key(others[0].wanted) != _key(self.labels):
+            if other is None or _key(other.wanted) != _key(self.labels):
                 at = f"{place_text(self.X[0])} + {condition.shift}"
                 wrong = f"is Periodic, and no Periodic face with the opposite shift is at {at}"
-            elif self.owner.kind != others[0].owner.kind:
-                wrong = f"goes on at {others[0]}: expected gas and gas, or two solids"
-        elif others and condition is not None:
+            elif self.owner.kind != other.owner.kind:
+                wrong = f"goes on at {other}: expected gas and gas, or two solids"
+        elif other and condition is not None:
             named = type(condition).__name__
-            wrong = f"meets {others[0]}: expected no condition, and {named} is named"
-        elif not others and condition is None:
+            wrong = f"meets {other}: expected no condition, and {named} is named"
+        elif other is None and condition is None:
             wanted = f"expected one, or a face with the same {len(self.X)} nodes"
             wrong = f"has no condition, and no face meets it: {wanted}"
         if wrong:
             raise InputError(f"{self}, about {place_text(self.X.mean(axis=0))}, {wrong}")
-        return Meeting(others[0].block, others[0].axis, others[0].side) if others else condition
+        return Meeting(other.block, other.axis, other.side) if other else condition
 
 
 def meet(
@@ -116,9 +94,13 @@ def meet(
     node that is at their place; (block, node) of the nodes at each place, ascending, places in the
     order of their first nodes.
     """
-    check_faces(blocks, named)
-    every = [(k, block, *face) for k, block in enumerate(blocks) for face in block.faces]
-    faces = [Face(*of, named.get((of[1].name, *of[2:]))) for of in every]
+    every = {(b.name, *face): (k, b, *face) for k, b in enumerate(blocks) for face in b.faces}
+    is_map = isinstance(named, Mapping)
+    unknown = [name for name in named if name not in every] if is_map else [named]
+    if unknown:
+        wanted = f"expected {{(block name, axis, side): condition, …}}, of {[*every]}"
+        raise InputError(f"BlockProblem: faces: there is no {described(unknown[0])}: {wanted}")
+    faces = [Face(*of, named.get(name)) for name, of in every.items()]
     periodic = [face for face in faces if isinstance(face.condition, Periodic)]
     shifted = (face.X + face.condition.shift for face in periodic)
     X = [np.zeros((0, blocks[0].dimension)), *(face.X for face in faces), *shifted]
@@ -139,8 +121,11 @@ def meet(
         kinds[face.block][face.axis, face.side] = face.met_by(others)
     nodes = np.concatenate([np.zeros(0, int), *(face.nodes for face in faces)])
     owners = np.repeat([face.block for face in faces], [face.nodes.size for face in faces])
-    smallest = united(len(places), [(face.labels, face.wanted) for face in periodic])
-    labels, known = labels[: nodes.size], list[tuple[Array, Array]]()
+    smallest, labels = (
+        united(len(places), [(face.labels, face.wanted) for face in periodic]),
+        labels[: nodes.size],
+    )
+    known = list[tuple[Array, Array]]()
     for own in (owners == k for k in range(len(blocks))):
         numbers, first = np.unique(nodes[own], return_index=True)
         known.append((numbers, places[labels[own][first]].T))
