@@ -36,11 +36,10 @@ class BlockPart(Part):
     """One part of a block, which is what its procedures take: see fsipetsc.scheme.part.
 
     X: (d, ghosted nodes) places in the reference map. owned, H: (M,) rows in the ghosted array of
-    the nodes that the rank owns, and their H. faces: those with a condition, or with jumps, None
-    without any. terms: what adds to rates. sources: of data that may depend on time. added: whether
-    something adds to the rates of nodes within the block, after its sweep. reads_ghosted: whether
-    something but sweeps reads the ghosted array. names: of what is saved of a node. code, does: the
-    recorded procedures, also by their names.
+    the nodes that the rank owns, and their H. terms: what adds to rates. sources: of data that may
+    depend on time. added: whether something adds to the rates of nodes within the block, after its
+    sweep. reads_ghosted: whether something but sweeps reads the ghosted array. names: of what is
+    saved of a node. code, does: the recorded procedures, also by their names.
 
     about: problem and order; opt: options in force; system: of particles; columns: name -> where a
     series begins in the record of a step; found: see fsipetsc.scheme.plan.
@@ -58,10 +57,8 @@ class BlockPart(Part):
         self.owned = part.patch.ghosted_rows(np.arange(part.numbers.size))
         self.H = part.weights(self.owned)
         self.p_ref = _left_out(self.problem, part.k)
-        self.sources, self._slips = list[Source](), list[tuple[Array, slice, Array]]()
-        self.faces: Any = None
-        self._find_faces()
-        self.terms: tuple[Any, ...] = (self.faces,) * bool(self.faces)
+        self.sources, self._slips = list[Source](), list[tuple[Array, ...]]()
+        self.terms: tuple[Any, ...] = tuple(self._find_faces())
         self.reads_ghosted = bool(self.terms) or part.signs.size > 0
         self.forcing, self.forced = None, any(self.laws.force)
         if block.forcing is not None:
@@ -91,48 +88,43 @@ class BlockPart(Part):
 
     # what passes faces
 
-    def _find_faces(self) -> None:
-        """List the nodes of faces, those of one effect together, and the sources of their data."""
-        problem, d, gas = self.problem, self.d, self.block.kind == "fluid"
-        alike = [n for n, other in enumerate(problem.blocks) if other.kind == self.block.kind]
-        # blocks of one kind have one text
-        sizes = {effect: 0 for n in alike for *_, effect in _acting(problem, n)}
-        acting = sorted(_acting(problem, self.k), key=lambda face: [*sizes].index(face[3]))
-        if not acting:  # on all ranks of the block, for these record the same
-            return
+    def _find_faces(self) -> list[Faces]:
+        """The faces with a condition, or with jumps, those of one effect together."""
+        blocks, acting = self.problem.blocks, _acting(self.problem, self.k)
+        alike = [n for n, other in enumerate(blocks) if other.kind == self.block.kind]
+        # blocks of one kind have one text, and so do ranks, with nodes or without
+        effects = dict.fromkeys(effect for n in alike for *_, effect in _acting(self.problem, n))
+        return [self._faces(e, [f for f in acting if f[3] == e]) for e in effects if acting]
+
+    def _faces(self, effect: Effect, acting: Sequence[Any]) -> Faces:
+        """The nodes of faces of one effect, and the sources of their data."""
+        gas, turned = self.block.kind == "fluid", list[Any]()
         nodes, counts = self.nodes_of([face[:2] for face in acting])
-        for (*_, effect), count in zip(acting, counts, strict=True):
-            sizes[effect] += count
-        begins = accumulate(sizes.values(), initial=0)
-        groups = [
-            SimpleNamespace(effect=effect, begin=begin, nodes=size)
-            for (effect, size), begin in zip(sizes.items(), begins)
-        ]
         n = nodes["own"].size
         pressure, heat, more = np.zeros((3, n))
         if gas:
-            own = {"outside": np.zeros((n, d + 2)), "width": more, "add_node": pass_face}
+            own = {"outside": np.zeros((n, self.d + 2)), "width": more, "add_node": pass_face}
         else:
-            traction, normal = np.zeros((2, n, d))
+            traction, normal = np.zeros((2, n, self.d))
             own = {"traction": traction, "normal": normal, "stress": more, "add_node": load_face}
-        given = {**nodes, **own, "pressure": pressure, "heat": heat}
-        self.faces, turned = Faces(**given, groups=tuple(groups), turned=()), []
-        ends = accumulate(counts, initial=0)
-        for (axis, side, condition, effect), pair in zip(acting, pairwise(ends), strict=True):
-            where = slice(*pair)
-            if d == 3 and not gas:
-                turned.append(self._turned(axis, side, where))
-            numbers = self.numbers[nodes["own"][where]]
-            X = problem.places(self.k, numbers)
-            self._take(condition, X, where)
+        faces = Faces(**nodes, **own, pressure=pressure, heat=heat, effect=effect)
+        ends = pairwise(accumulate(counts, initial=0))
+        for (axis, side, condition, _), (begin, end) in zip(acting, ends, strict=True):
+            rows = np.arange(begin, end)
+            if self.d == 3 and not gas:
+                turned.append(self._turned(axis, side, begin, end))
+            numbers = self.numbers[faces.own[rows]]
+            X = self.problem.places(self.k, numbers)
+            self._take(faces, condition, X, rows)
             if getattr(condition, "slip_length", None) is not None:
                 step = int(np.prod(self.block.shape[:axis])) * (-1 if side else 1)
-                beside = problem.places(self.k, numbers + step)
-                self._slips.append((X, where, np.linalg.norm(X - beside, axis=1)))
+                beside = np.linalg.norm(X - self.problem.places(self.k, numbers + step), axis=1)
+                self._slips.append((X, faces.width[begin:end], beside))
             if effect.first_order:
                 low, high = (self.block.face_positions(axis, at) for at in (0, 1))
-                self.faces.width[where] = np.linalg.norm(high - low, axis=0).mean()
-        self.faces.turned = tuple(turned)
+                faces.width[rows] = np.linalg.norm(high - low, axis=0).mean()
+        faces.turned = tuple(turned)
+        return faces
 
     def nodes_of(self, faces: Sequence[tuple[int, int]]) -> tuple[dict[str, Array], list[int]]:
         """What fsipetsc.scheme.faces takes of this rank's nodes of faces (axis, side), without
@@ -152,7 +144,7 @@ class BlockPart(Part):
         found |= {"per_weight": 1.0 / weights, "across": self.weights(at) / weights}
         return {**found, "column": columns.astype(int)}, counts
 
-    def _take(self, condition: Any, X: Array, at: slice) -> None:
+    def _take(self, faces: Faces, condition: Any, X: Array, rows: Array) -> None:
         """Take the data of a face, with nodes here or without.
 
         In three dimensions, and around an axis or a centre, the pressure p_ref under which a solid
@@ -160,10 +152,9 @@ class BlockPart(Part):
         Nor is it part of the stress of a law of a case. Faces to gas, and those with a traction of
         their own, get p_ref n(x) instead; in three dimensions n is in the curl form of the gas.
         """
-        rows, faces = np.arange(at.start, at.stop), self.faces
         met = isinstance(condition, Meeting)  # of a solid
         less = self.p_ref if met or condition.loaded else 0.0
-        faces.pressure[at] = 0.0 - less
+        faces.pressure[rows] = 0.0 - less
         if met and self.problem.jumps is not None:
             to = faces.traction, faces.heat
             self.sources.append(Source(condition, self._supplied, X.T, rows, *to))
@@ -182,30 +173,29 @@ class BlockPart(Part):
             *traction, heat = checked(jumps, (*x, t), x, names, f"jumps at t = {t:.6g}")
         return tuple(traction), heat
 
-    def _turned(self, axis: int, side: int, nodes: slice) -> Any:
+    def _turned(self, axis: int, side: int, begin: int, end: int) -> Any:
         """A face of a solid in three dimensions, perhaps without nodes here."""
         shape, ghosted = self.block.shape, self.ghosted
         sizes = zip(ghosted, self.patch.first, self.patch.own, strict=True)
-        where = [(begin + first, begin + first + own) for (begin, _), first, own in sizes]
+        where = [(low + first, low + first + own) for (low, _), first, own in sizes]
         where[axis] = (shape[axis] - 1, shape[axis]) if side else (0, 1)
         curls = Curls(self.problem, self.k, self.order, where, faces=[(axis, 0)])
         index = [
-            np.clip(np.arange(*ends) - begin, 0, end - begin - 1)
-            for ends, (begin, end) in zip(curls.wide, ghosted, strict=True)
+            np.clip(np.arange(*ends) - low, 0, high - low - 1)
+            for ends, (low, high) in zip(curls.wide, ghosted, strict=True)
         ]
         places = np.meshgrid(*index, indexing="ij")
         at = np.ravel_multi_index(places, self.patch.ghosted, order="F").ravel(order="F")
         areas, x = np.zeros((9, curls.N)), zeros(curls.y.shape)
         of_wide = {"curls": curls, "x": x, "y": curls.y, "at": at, "areas": areas}
-        of_face = {"row": 3 * axis, "begin": nodes.start, "nodes": nodes.stop - nodes.start}
+        of_face = {"row": 3 * axis, "begin": begin, "nodes": end - begin}
         return SimpleNamespace(**of_wide, **of_face, sign=1.0 if side else -1.0)
 
     def refresh(self, t: float) -> None:
         """Data of faces and forcing at t [s]. InputError, also for slip lengths below a cell."""
         for one in self.sources:
             one.fill(t)
-        for X, at, spacing in self._slips:
-            length = self.faces.width[at]
+        for X, length, spacing in self._slips:
             for n in np.flatnonzero(~(length >= spacing))[:1]:
                 where = f"slip_length of NoSlip at t = {t:.6g} is {length[n]:.4g}"
                 wanted = f"the distance {spacing[n]:.4g} of the nodes beside the wall, or more"

@@ -91,8 +91,7 @@ class Faces(SimpleNamespace):
     at, own: (n,) numbers of the nodes in the ghosted array and among the owned ones. axis, sign: of
     the outward normal. per_weight: 1 / weight of the axis at the face, across: product of those of
     the other axes. column: of the face in what comes in. heat: (n,) what comes in per area [W/m2].
-    groups: records of nodes from ``begin`` on whose conditions have one ``effect``; nodes: how
-    many, perhaps none on this rank. add_node: `pass_face` of a gas, `load_face` of a solid.
+    effect: that of their conditions. add_node: `pass_face` of a gas, `load_face` of a solid.
 
     Of a gas: outside: (n, d + 2), (rho, u, T) beyond. pressure: (n,) that beyond an outflow, 0 for
     one that is supersonic. width: (n,) length [m] of the gas behind an open face of first order, or
@@ -107,9 +106,8 @@ class Faces(SimpleNamespace):
         """Add all this to ``rates`` of the owned nodes and to ``gain``; q: of ghosted nodes."""
         for face in self.turned:
             turn_face(face, q, self.normal)
-        for group in self.groups:
-            for i in each(group.nodes):
-                self.add_node(part, self, group.effect, group.begin + i, q, rates, gain)
+        for i in each(self.own.size):
+            self.add_node(part, self, i, q, rates, gain)
 
 
 def turn_face(face, q, normal):
@@ -132,17 +130,17 @@ def turn_face(face, q, normal):
             normal[face.begin + i] = scale(face.sign, area)
 
 
-def pass_face(part, faces, effect, i, q, rates, gain):
+def pass_face(part, faces, i, q, rates, gain):
     """Add what passes the face at its i-th node."""
     d, own, column = len(part.like), faces.own[i], faces.column[i]
     per_weight, across, entering = faces.per_weight[i], faces.across[i], []
-    w, face = seen_at(part, faces, effect, i, q)
-    if effect.by.leaving:
-        entering.append(scale(-1.0, effect.by.leaving(part.laws, w, face)))
-    if effect.by.traction:
-        t = effect.by.traction(part.laws, w, face)
+    w, face = seen_at(part, faces, i, q)
+    if faces.effect.by.leaving:
+        entering.append(scale(-1.0, faces.effect.by.leaving(part.laws, w, face)))
+    if faces.effect.by.traction:
+        t = faces.effect.by.traction(part.laws, w, face)
         entering.append((0.0, *t, dot(t, face.wall)))
-    if effect.heated:
+    if faces.effect.heated:
         heat = faces.heat[i] * face.size
         entering.append((0.0,) * (d + 1) + (heat,))
         gain.heat[column] += across * heat
@@ -155,32 +153,32 @@ def pass_face(part, faces, effect, i, q, rates, gain):
         gain.energy[column] += across * energy
 
 
-def seen_at(part, faces, effect, i, q):
+def seen_at(part, faces, i, q):
     """Return the state of the gas at the i-th node of the faces, and the face there."""
     gas, d, at, axis, sign = part.laws, len(part.like), faces.at[i], faces.axis[i], faces.sign[i]
     like, out, rise = (0.0,) * d, faces.outside, None
     n, v = scale(sign, area(part, axis, at)), moving(part, at)
     w = gas_at(part, q, at)
     beyond = gas.state(out[i, 0], row(like, out, i, 1), out[i, d + 1])
-    if effect.first_order:
+    if faces.effect.first_order:
         slope = slope_at(part, at, axis, lambda n: gas.velocity(gas_at(part, q, n)))
         rise = sign / q[at, 0] * dot(n, slope)
-    wall = v if effect.moves else like
+    wall = v if faces.effect.moves else like
     data = wall, beyond, faces.pressure[i], faces.width[i], rise
     return w, FaceNode(n, np.sqrt(dot(n, n)), dot(n, v), *data)
 
 
-def load_face(part, faces, effect, i, q, rates, gain):
+def load_face(part, faces, i, q, rates, gain):
     """Add forces and heat at the i-th node."""
     d, at, own, energy = len(part.like), faces.at[i], faces.own[i], gain.energy
     like, column, across = (0.0,) * d, faces.column[i], faces.across[i]
     A = scale(faces.sign[i], area(part, faces.axis[i], at))
     size, v = np.sqrt(dot(A, A)), row(like, q, at, d)
     force = tuple(size * faces.traction[i, c] for c in range(d))
-    if effect.by.pull:
+    if faces.effect.by.pull:
         F = strain_at(part, q, at)
         T = part.laws.temperature(v, q[at, 2 * d], F)
-        pull = effect.by.pull(part.laws, F, T, per(A, size), v, faces.stress[i])
+        pull = faces.effect.by.pull(part.laws, F, T, per(A, size), v, faces.stress[i])
         force = along(force, size, pull)
     pushed = [variable(number) for number in force]
     with when(faces.pressure[i] != 0.0):
