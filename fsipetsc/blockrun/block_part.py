@@ -41,14 +41,15 @@ class BlockPart(Part):
     sweep. reads_ghosted: whether something but sweeps reads the ghosted array. names: of what is
     saved of a node. code, does: the recorded procedures, also by their names.
 
-    about: problem and order; opt: options in force; system: of particles; columns: name -> where a
-    series begins in the record of a step; found: see fsipetsc.scheme.plan.
+    about: layout of blocks; opt: options in force; particles: all of the problem, system: of those
+    here; columns: name -> where a series begins in the record of a step; found: see
+    fsipetsc.scheme.plan.
     InputError, perhaps on this rank alone.
     """
 
     def __init__(self, part: Part, about: SimpleNamespace) -> None:
         super().__init__(**vars(part))
-        self.about, self.problem, self.order = about, about.problem, about.order
+        self.about, self.problem, self.order = about, about.layout.problem, about.layout.order
         self.block = block = self.problem.blocks[part.k]
         self.d = d = block.dimension
         self.laws = block.material.equations(d, self.problem.symmetry)

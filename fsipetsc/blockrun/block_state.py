@@ -82,45 +82,27 @@ class BlockState(State):
         order, shock = opt["fsi_order"], opt["fsi_shock"]
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
         self.h, self.recorded = problem.spacing, saved.chosen(problem, opt["fsi_probes"])
-        gain = saved.gain_of(problem)
+        gain, particles = saved.gain_of(problem), particles_of(problem)
         of_layout = order, shock > 0.0, opt["fsi_partition"], gain.numbers.size
         self.layout = layout = BlockLayout(comm, problem, *of_layout)
-        self.shapes = layout.shapes
-        self._now = [zeros(layout.local_size) for _ in range(STAGES)]  # the solution, and stages
+        self.shapes, size = layout.shapes, layout.local_size
+        self._now = [zeros(size) for _ in range(STAGES)]  # the solution, and stages
         self.y = self._shown = self._now[0]
-        size = (layout.local_size, None)
-        self.solution = PETSc.Vec().createWithArray(self.y, size=size, comm=comm)
+        self.solution = PETSc.Vec().createWithArray(self.y, size=(size, None), comm=comm)
         self._lay_journal(saved.step_record(problem, len(self.recorded)))
         self.changing = self.y, self.results, self.batch
         self.bounds = np.zeros((len(problem.blocks), 2))
-        particles, at = particles_of(problem), saved.slices(self.latest.dtype)
         self.particles = ParticleSystem(layout, particles, self._instant, gain)
-        ends = [self.latest_numbers[at.get(name, slice(0))] for name in saved.OF_INTERFACES]
-        found = SimpleNamespace(
-            y=self.y,
-            stages=tuple(self._now[1:]),
-            total=zeros(layout.local_size),
-            gain=gain,
-            extremes=np.zeros(1 + MONITORED * len(problem.blocks)),
-            rates=self.bounds,
-            results=self.results,
-            latest=self.latest_numbers,
-            at_ends=tuple(ends),
-            pace=max(1.0, shock * PACE_AT_SHOCKS[order]),
-            plan=self.plan,
-            time=np.zeros(1),
-            stage=np.zeros(2),
-        )
-        about = SimpleNamespace(
-            problem=problem,
-            layout=layout,
-            order=order,
-            opt=opt,
-            particles=particles,
-            system=self.particles,
-            columns={name: where.start for name, where in at.items()},
-            found=found,
-        )
+        at = saved.slices(self.latest.dtype)
+        found = SimpleNamespace(y=self.y, stages=tuple(self._now[1:]), total=zeros(size), gain=gain)
+        found.plan, found.results, found.latest = self.plan, self.results, self.latest_numbers
+        found.rates, found.extremes = self.bounds, np.zeros(1 + MONITORED * len(problem.blocks))
+        found.time, found.stage = np.zeros(1), np.zeros(2)
+        found.pace = max(1.0, shock * PACE_AT_SHOCKS[order])
+        ends = (self.latest_numbers[at.get(name, slice(0))] for name in saved.OF_INTERFACES)
+        found.at_ends = tuple(ends)
+        about = SimpleNamespace(layout=layout, opt=opt, particles=particles, system=self.particles)
+        about.found, about.columns = found, {name: where.start for name, where in at.items()}
         kinds = {"fluid": GasPart, "solid": SolidPart}
 
         def make() -> dict[int, Any]:
@@ -135,7 +117,7 @@ class BlockState(State):
             (number, node, row)
             for number, node in enumerate(self.recorded)
             if node.block in self.parts
-            for row in self.parts[node.block].rows_among(np.array([node.node])).tolist()
+            for row in self.parts[node.block].rows_among([node.node]).tolist()
         ]
 
     def _compile(self, found: Any, announce: Callable[[str], None]) -> None:
@@ -150,18 +132,14 @@ class BlockState(State):
         data = [Code() for _ in sources]
         for code, some in zip(data, sources, strict=True):
             code.procedure("set_data", set_data, tuple(some), found.time)
-        codes = [*(part.code for part in parts), *data, self.particles.code]
-        codes.append(calling)
-        texts = [code.text for code in codes]
-        for code, library in zip(codes, libraries(comm, texts, announce), strict=True):
+        codes = [*(part.code for part in parts), *data, self.particles.code, calling]
+        loaded = libraries(comm, [code.text for code in codes], announce)
+        for code, library in zip(codes, loaded, strict=True):
             code.load(library)
         does["reduce"] = Reduction(comm, found.extremes)
-        exchanges = [
-            *(layout.halos, self.particles.sums, self.particles.areas, self.particles.stored),
-            *(part.inside for part in layout.parts.values()),
-            *(gas.gather for gas in self._gases),
-            does["reduce"],
-        ]
+        members = self.particles.sums, self.particles.areas, self.particles.stored
+        exchanges = [layout.halos, *members, *(part.inside for part in parts), does["reduce"]]
+        exchanges += [gas.gather for gas in self._gases]
         self._data = [code.procedures[0] for code in data]
         self.phases = phases(layout, [*parts], self.particles, does, self._data)
         self._take_calls(calling.library, does["plan_next"], exchanges)
@@ -170,7 +148,7 @@ class BlockState(State):
             every = [(one.about, of) for some in sources for one in some for of in one.targets]
             bad = [about for about, of in every if not np.isfinite(of).all()]
             self._ask([f"{what}: it is not finite at t = 0" for what in bad])
-        solids = [part for part in parts if part.block.kind == "solid"]
+        solids = (part for part in parts if part.block.kind == "solid")
         self.particles.begin({part.k: part.inertia[part.owned] for part in solids})
         for gas in self._gases:  # the metrics where nothing has moved
             gas.does["begin_grid"]()

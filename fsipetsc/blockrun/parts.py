@@ -40,7 +40,7 @@ class GasPart(BlockPart):
 
     def __init__(self, part: Part, about: SimpleNamespace) -> None:
         super().__init__(part, about)
-        opt, order = about.opt, about.order
+        opt, order = about.opt, self.order
         material, self.around = self.block.material, self.problem.symmetry > 0
         self.viscous = bool(material.mu or material.kappa)
         sigma = sigma_of(opt["fsi_dissipation"], self.problem.joined)
@@ -158,7 +158,7 @@ class SolidPart(BlockPart):
 
     def __init__(self, part: Part, about: SimpleNamespace) -> None:
         super().__init__(part, about)
-        d, block, order, shock = self.d, self.block, about.order, about.opt["fsi_shock"]
+        d, block, order, shock = self.d, self.block, self.order, about.opt["fsi_shock"]
         self.metrics = solid_metrics(self.problem, part.k, order, part.ghosted)
         self.inertia = self.metrics[d * d] * self.laws.m0
         self.reference = self.metrics[d * d, self.owned]
