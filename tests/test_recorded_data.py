@@ -14,7 +14,12 @@ import fsipetsc
 from fsipetsc import Fluid, FluidLayer, InputError, Problem, Wall
 from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.problem import blocks_of_line
+<<<<<<< HEAD
 from fsipetsc.stepping.notes import first_notes
+=======
+from fsipetsc.scheme.faces import Faces
+from fsipetsc.stepping.notes import asked_data
+>>>>>>> 327ef9a0 (Options that are not given to a state of blocks have the defaults of the table)
 
 CASE = str(REPOSITORY / "tests" / "timed.py")
 USUAL = {option.name: option.default for option in timed.OPTIONS} | timed.DEFAULTS
@@ -32,7 +37,8 @@ def at_wall(x, velocity=None, T=None):
 
 def data_of(state):
     parts = state.parts.values()
-    records = [vars(part.faces).values() for part in parts if part.faces]
+    faces = [term for part in parts for term in part.terms if isinstance(term, Faces)]
+    records = [vars(of).values() for of in faces]
     faces = [of for record in records for of in record if isinstance(of, np.ndarray)]
     forcing = [part.forcing for part in parts if part.forcing is not None]
     prescribed = state.particles.prescribed

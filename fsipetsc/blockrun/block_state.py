@@ -18,6 +18,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.operators.sbp import OPERATORS
+from fsipetsc.options import COMMON
 from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.parallel.exchange import Reduction, exchange_text
 from fsipetsc.particles.members import particles_of
@@ -33,29 +34,16 @@ from fsipetsc.state import State
 #: number of -1.6 at Courant number 0.8, of 2.785 that the classical method bears; next to the ends
 #: of 8/4 more
 PACE_AT_SHOCKS = {2: 1.0, 4: 1.0, 6: 1.0, 8: 4.0 / 3.0}
-#: options that a state on blocks may have -> what it takes
-HAS = {
-    "fsi_coupling": ("conservative",),
-    "fsi_mapping": ("auto", "stretched"),
-    "fsi_viscous": ("wide",),
-}
-#: options that it follows, beside the order
-USUAL = {
-    **{name: values[0] for name, values in HAS.items()},
-    "fsi_convection": "auto",
-    "fsi_dissipation": 0.0,
-    "fsi_shock": 0.0,
-    "fsi_partition": "auto",
-    "fsi_probes": None,
-}
+#: options that choose between methods -> what a state on blocks takes
+HAS = {"fsi_coupling": "conservative", "fsi_mapping": "auto stretched", "fsi_viscous": "wide"}
 
 
 class BlockState(State):
     """A run's solution on blocks. Making one is collective on ``comm``. InputError where blocks,
     options and ranks do not fit.
 
-    opt: fsi_order, and options that are not USUAL. announce: called on rank 0, with a message,
-    before and after kernels are compiled.
+    opt: options, which else have their defaults. announce: called on rank 0, with a message, before
+    and after kernels are compiled.
 
     y: this rank's part of the solution. recorded: nodes that are recorded at each step. bounds:
     (blocks, 2), largest rates of convection and diffusion [1/s]; h: size of the smallest cells [m].
@@ -73,11 +61,11 @@ class BlockState(State):
         opt: Mapping[str, Any],
         announce: Callable[[str], None] = lambda text: None,
     ) -> None:
-        opt = {**USUAL, **opt}
+        opt = {option.name: option.default for option in COMMON} | {**opt}
         for name, values in HAS.items():
-            if opt[name] not in values:
+            if opt[name] not in values.split():
                 blocks = "this case is made of blocks, as is any with -fsi_coupling conservative"
-                expected = f"expected {' or '.join(values)}"
+                expected = f"expected {' or '.join(values.split())}"
                 raise InputError(f"-{name} {opt[name]}: {blocks}: {expected}")
         order, shock = opt["fsi_order"], opt["fsi_shock"]
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
