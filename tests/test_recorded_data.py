@@ -14,12 +14,8 @@ import fsipetsc
 from fsipetsc import Fluid, FluidLayer, InputError, Problem, Wall
 from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.problem import blocks_of_line
-<<<<<<< HEAD
-from fsipetsc.stepping.notes import first_notes
-=======
 from fsipetsc.scheme.faces import Faces
-from fsipetsc.stepping.notes import asked_data
->>>>>>> 327ef9a0 (Options that are not given to a state of blocks have the defaults of the table)
+from fsipetsc.stepping.notes import first_notes
 
 CASE = str(REPOSITORY / "tests" / "timed.py")
 USUAL = {option.name: option.default for option in timed.OPTIONS} | timed.DEFAULTS
