@@ -75,18 +75,16 @@ def petsc_runs() -> bool:
 
 @contextmanager
 def left_as_found() -> Iterator[None]:
-    """What is done within leaves no options, search paths and modules of case files behind.
-
-    Options that PETSc looks at when it ends, such as -log_view, stay if it was started within.
+    """What is done within leaves no search paths, modules of case files and options behind, but
+    those that PETSc looks at when it ends, such as -log_view.
     """
     path, modules = list(sys.path), set(sys.modules)
-    found = present() if petsc_runs() else None
+    found = present() if petsc_runs() else {}
     try:
         yield
     finally:
         if petsc_runs():
-            at_end = {name: text for name, text in present().items() if name in AT_END}
-            put(at_end if found is None else found)
+            put(found | {name: text for name, text in present().items() if name in AT_END})
         folders = tuple(os.path.join(folder, "") for folder in set(sys.path) - set(path))
         for name in set(sys.modules) - modules:  # the next case file has its own of that name
             file = getattr(sys.modules[name], "__file__", None) or ""
