@@ -142,7 +142,6 @@ class SBPOperator:
 
 
 def fractions(text: str) -> tuple[Fraction, ...]:
-    """Numbers with spaces between them."""
     return tuple(map(Fraction, text.split()))
 
 

@@ -38,24 +38,22 @@ import numpy as np
 from fsipetsc.equations.vectors import choose
 from fsipetsc.kernels.loops import each, stop, variable
 from fsipetsc.operators.sbp import row_length
+from fsipetsc.problem import SolidLayer
 
-#: of a point of a solid
-UNKNOWNS = "u", "sigma", "T", "x"
 #: the conductivity at the interface has the temperature that it leads to, but for this fraction, or
 #: after so many attempts
 AGREED, REFINEMENTS = 1e-15, 20
 
 
 class Interface(SimpleNamespace):
-    """An interface of two layers, gas and solid, in the treatment of a ``kind``, a value of
-    -fsi_coupling. first: their points at the interface; ranks: the owners of these, who have all
+    """An interface of a pair of layers, the left one first, in the treatment of a ``kind``, a value
+    of -fsi_coupling. first: their points at the interface; ranks: the owners of these, who have all
     rows, at ``places`` in memory, and both solve the same small system; here: whether each is this
-    one. jump: what is prescribed; notes: what is noted of all, (8, interfaces), of this one in
-    column ``number``.
+    one, ``me``. jump: what is prescribed; notes: what is noted of all, (8, interfaces), of this one
+    in column ``number``.
     """
 
     def __init__(self, pair, number, me, kind, notes):
-        """That of two layers, the left one first, on rank ``me``."""
         gas, solid = sorted(pair, key=lambda layer: not layer.is_gas)
         super().__init__(kind=kind, gas=gas, solid=solid, notes=notes, number=number)
         self.first = int(gas.active[gas.side - 1]), int(solid.active[gas.side])
@@ -83,7 +81,6 @@ class Interface(SimpleNamespace):
         return (rho, *self.gas.material.velocity_and_temperature(rho, m, e))
 
     def put_gas(self, j, rho, u, T):
-        """Let the gas in row j be of this density, velocity and temperature."""
         energy = self.gas.material.total_energy(rho, u, T)
         self.gas.local[:, self.first[0] + self.n * j] = rho, rho * u, energy
 
@@ -92,9 +89,8 @@ class Interface(SimpleNamespace):
         return tuple(self.solid.local[c, self.first[1] - self.n * j] for c in range(4))
 
     def put_solid(self, j, **values):
-        """Let unknowns of the solid in row j be these."""
         for name, value in values.items():
-            self.solid.local[UNKNOWNS.index(name), self.first[1] - self.n * j] = value
+            self.solid.local[SolidLayer.unknowns.index(name), self.first[1] - self.n * j] = value
 
 
 def note(of):

@@ -173,7 +173,6 @@ class DirichletEnd(GasEnd):
         return choose(all_in, (rho_D, u_D, T_D), slow)
 
     def gradient(self):
-        """Those with which data are met at the boundary."""
         least = LEAST if self.degree < 4 else LEAST_OF_GRADIENTS
         return tuple(self.given(c, self.data[c], least) for c in (1, 2))
 

@@ -186,7 +186,6 @@ class Layer(SimpleNamespace):
         return self.h * np.sum(np.abs(apart) ** power, axis=1)
 
     def seen(self) -> tuple[Any, ...]:
-        """Values at the active ones."""
         own = self.mine
         if self.is_gas:
             rho, u, T, _, x = self.saved()[own].T

@@ -179,7 +179,6 @@ class Run(Integrator):
         return f"{_BOUNDS[layer.kind][which]} in {layer.name}"
 
     def _say_progress(self, dt: float) -> None:
-        """Say how far the run is, if that is due."""
         now = time.monotonic()
         if not self._speaks or now < self._next_line:
             return
