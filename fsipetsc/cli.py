@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from fsipetsc import __version__
 from fsipetsc.cases import BUILT_IN, load_case
 from fsipetsc.errors import InputError
-from fsipetsc.options import INT_MAX, PASSED_ON, PROGRAM, REQUIRED, Option, groups, is_option
+from fsipetsc.options import PASSED_ON, PROGRAM, Option, groups, is_option, shown
 from fsipetsc.process.launch import left_as_found, start_mpi, start_petsc
 from fsipetsc.process.together import abandon_output, end_together, launcher_rank, together
 
@@ -209,14 +209,5 @@ def _row(option: Option) -> tuple[str, str]:
     """Return (name, type, default and unit; meaning)."""
     kind = "text" if option.kind == "str" else option.kind
     choices = f" ({', '.join(map(str, option.choices))})" if option.choices else ""
-    value, unit = option.default, f" [{option.unit}]" if option.unit else ""
-    if value is REQUIRED or value is None:
-        text = "none" if value is None else "required"
-    elif isinstance(value, bool):
-        text = str(value).lower()
-    elif value == INT_MAX:
-        text = "no limit"
-    else:
-        items = value if isinstance(value, tuple) else (value,)
-        text = ",".join(f"{item:.10g}" if isinstance(item, float) else str(item) for item in items)
-    return f"-{option.name} {kind} {text}{unit}", option.help + choices
+    unit = f" [{option.unit}]" if option.unit else ""
+    return f"-{option.name} {kind} {shown(option.default)}{unit}", option.help + choices

@@ -116,6 +116,17 @@ def _typed(kind: str, value: Any) -> Any:
     return of(value)
 
 
+def shown(value: Any) -> str:
+    """Return the value of an option as it is printed."""
+    if isinstance(value, (list, tuple)):
+        return ",".join(map(shown, value))
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, float):
+        return f"{value:.10g}"
+    return {REQUIRED: "required", None: "none", INT_MAX: "no limit"}.get(value, str(value))
+
+
 DISCRETISATION = (
     Option("fsi_order", int, 4, "", "interior order of the SBP operators", (2, 4, 6, 8)),
     Option("fsi_h", float, REQUIRED, "m",

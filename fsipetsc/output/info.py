@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.checks import duration
-from fsipetsc.options import INT_MAX
+from fsipetsc.options import shown
 from fsipetsc.output.file_layout import damage
 from fsipetsc.output.quantities import is_si
 from fsipetsc.output.reader import Layer, Run, open_run
@@ -86,8 +86,4 @@ def _text(value: Any) -> str:
         return ", ".join(f"{name} {_text(entry)}" for name, entry in value.items())
     if isinstance(value, (list, tuple)):
         return ", ".join(map(_text, value[:6])) + ", …" * (len(value) > 6) or "none"
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, float):
-        return f"{value:.6g}"
-    return {None: "none", INT_MAX: "no limit"}.get(value, str(value))
+    return f"{value:.6g}" if isinstance(value, float) else shown(value)

@@ -71,8 +71,8 @@ def there(run: Run) -> dict[str, dict[str, str]]:
         for name, (label, _) in FIELDS.items()
     }
     if "solid" in (p := labels["p"]):
-        p |= dict.fromkeys(p, f"{FIELDS['p'][0]}; p − σ in solids") if line else {}
-        p["solid"] = p["solid"] if line else "mean stress in solids"
+        both = dict.fromkeys(p, f"{FIELDS['p'][0]}; p − σ in solids")
+        p |= both if line else {"solid": "mean stress in solids"}
     return {name: of for name, of in labels.items() if of}
 
 
