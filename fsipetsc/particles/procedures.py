@@ -1,4 +1,4 @@
-"""Particles: sums over members, and what each member gets back. Source: docs/derivation.md.
+"""Particles: sums over members, and what each member gets back (docs/derivation.md).
 
 Gas members of a particle share U = (rho, rho u, E), solid members share displacement and
 velocity, and have one temperature or each its own. With the sums
@@ -7,9 +7,8 @@ velocity, and have one temperature or each its own. With the sums
     solid  M_s = sum H J0 m0,  and those of M_s times displacement, velocity, energy per mass e_s
 
 `end_sums` finds what all members have in common; sums are linear in the unknowns, so that a
-Runge-Kutta method keeps them. `end_rates` does the same for rates. What comes in is added to
-``gain``, see fsipetsc.scheme.part: the work of constraints, and the change of unknowns that data
-replace. fsipetsc.blockrun.phases has the order of all this.
+Runge-Kutta method keeps them. `end_rates` does the same for rates. To record.gain
+(fsipetsc.scheme.part) goes the work of constraints, and the change of unknowns that data replace.
 """
 
 import numpy as np

@@ -1,7 +1,6 @@
 """Dissipation along each axis k, of order q everywhere and of order 1 at shocks, with undivided
-differences Delta_q. docs/entropy.md says what it does.
-
-In a gas mass, momentum, energy and a uniform flow stay, and entropy does not fall:
+differences Delta_q (docs/entropy.md). In a gas mass, momentum, energy and a uniform flow stay, and
+entropy does not fall:
 
     (J U)_t  -=  H_k^-1 Delta_q^T  sigma/4^q (1 - alpha) lambda/(1 + eta) U_z Delta_q z
     eta       =  T/K Delta_q z . U_z Delta_q z,    K = rho dp/drho at constant T
@@ -14,9 +13,8 @@ i < l goes in part from node to node:
                   and      alpha_il S_il F(m, m + 1; a_il, g_il)  between m and m + 1,  i <= m < l,
 
 with F(m, m + 1; a, g) the two-point flux of neighbours through the area a and volume flux g of the
-pair. With the potentials psi, phi of the entropy, (z_l - z_i) . F(i, l; a, g) = a . (psi_l - psi_i)
-- g (phi_l - phi_i): such links change the entropy as the pair does. F is linear in a and g, so
-neighbours have one flux, through
+pair: such links change the entropy as the pair does, by a . (psi_l - psi_i) - g (phi_l - phi_i). F
+is linear in a and g, so neighbours have one flux, through
 
     A_m = sum alpha_il S_il a_il,   G_m = sum alpha_il S_il g_il   over all pairs with i <= m < l.
 
@@ -28,9 +26,8 @@ makes entropy grow. alpha of a pair is the largest of its nodes and of those bet
 
 the largest s of f = rho, p and a_j . u, with the sizes 0.05 (rho_j+1 + 2 rho_j + rho_j-1), the same
 of K, and 2 c_j |a_j|; 0 at an end. Of a_j . u the d_+ and d_- below 0 count, which compress. After
-R. C. Swanson and E. Turkel, J. Comput. Phys. 101, 1992, for p and with p as the size. Finite
-volumes between the nodes of a summation-by-parts scheme: S. Hennemann et al., J. Comput. Phys. 426,
-2021.
+R. C. Swanson and E. Turkel, J. Comput. Phys. 101, 1992, for p and with p as the size; links: S.
+Hennemann et al., J. Comput. Phys. 426, 2021.
 
 In a solid what motion it takes becomes heat at the same place: with K the wave modulus at rest and
 M_q the mean of the nodes in the middle of a difference, where A^k is taken, too,
@@ -40,9 +37,8 @@ M_q the mean of the nodes in the middle of a difference, where A^k is taken, too
     J0 m0 e_t  -=  v . H_k^-1 Delta_q^T F  -  H_k^-1 M_q^T (F . Delta_q v)
     s = |d_+ - d_-| / (|d_+| + |d_-| + 0.02 sqrt(K/m0)),    f = v, |.| the length of a vector
 
-Momentum and energy stay, and entropy grows, as F . Delta_q v >= 0. Everywhere q is half the order
-of the scheme, a = sigma/4^q. At shocks q = 1, a = 0, b = 0.7 times the option; then the former has
-b = -a. alpha of a difference is the largest of its nodes.
+Everywhere q is half the order of the scheme, a = sigma/4^q. At shocks q = 1, a = 0, b = 0.7 times
+the option; then the former has b = -a. alpha of a difference is the largest of its nodes.
 """
 
 from functools import partial, reduce

@@ -3,16 +3,13 @@ have constraints, and how they turn; derivatives at single nodes.
 
 The volume terms let nothing pass a face. With the outward area vector n of a face per unit of its
 reference coordinates a node gets -f / weight of the axis; conditions know f, which is n . f of a
-uniform state, so uniform flow stays uniform. Times the weights of nodes it is added to what comes
-in.
+uniform state, so uniform flow stays uniform.
 
 The area vector of a face of axis k is +-a^k times the weights of the other axes. With x' the
-velocity of the grid it turns by
+velocity of the grid it turns, not in 1-D, by
 
     2-D      (D_2 y', -D_2 x') on faces of axis 1,   (-D_1 y', D_1 x') on those of axis 2
-
-which takes derivatives within the face only. In 1-D it does not turn. In 3-D a^k is bilinear in
-places, and turns by 1/2 (a^k(x + x') - a^k(x - x')).
+    3-D      1/2 (a^k(x + x') - a^k(x - x')),   as a^k is bilinear in places
 """
 
 from types import SimpleNamespace

@@ -16,13 +16,11 @@ F = sigma/4^q lambda U_z Delta z is replaced by
 
     c = (Delta (z_1 + (Phi - Phi_m)/T), Delta u/T, Delta -1/T),
 
-and a node i gets - (F_rho, F_m, F_E + (Phi_m - Phi_i) F_rho). So the energy with rho Phi is kept,
-and entropy grows by c . U_z c > 0.
-
-At shocks the link from m to m + 1 exerts the force {a} rho^ (Phi_m+1 - Phi_m)/2 of its areas on
-both nodes, as a pair does, so rest is kept whatever alpha is. The flux of Lax and Friedrichs takes
-the states of both nodes, moved in the force to their mean potential at their own temperatures,
-which are equal in a gas at rest. Their entropy variables differ by c, so c . (U*_m+1 - U*_m) > 0.
+and a node i gets - (F_rho, F_m, F_E + (Phi_m - Phi_i) F_rho): entropy grows by c . U_z c > 0. At
+shocks the link from m to m + 1 exerts the force {a} rho^ (Phi_m+1 - Phi_m)/2 of its areas on both
+nodes, as a pair does. The flux of Lax and Friedrichs takes the states of both nodes, moved in the
+force to their mean potential at their own temperatures, which are equal in a gas at rest. Their
+entropy variables differ by c, so c . (U*_m+1 - U*_m) > 0.
 
 The monitor bounds the next step:
 

@@ -1,10 +1,9 @@
 """What is known after a step: extremes of all nodes, which bound the next step, sums over nodes,
 and what came in.
 
-Loops are vector code: each node counts in one column of a room, which has a row for each extreme,
-then one for each sum. In the end the columns are combined in their order, so the bits do not depend
-on the vector length. The last bits of a sum depend on which rank owns which nodes; no other number
-is computed from sums.
+Each node counts in one column of a room, which has a row for each extreme, then one for each sum.
+In the end the columns are combined in their order, so the bits do not depend on the vector length.
+The last bits of a sum depend on which rank owns which nodes; no other number is computed from sums.
 """
 
 import numpy as np
@@ -126,8 +125,8 @@ def note_gained(found, y):
     """Move what came in during a step from auxiliary unknowns to the last columns of ``latest``.
 
     What a step loses of the energy of solids is W + E - E', with W the work on them, E before and
-    E' after it. The auxiliary unknown has E and gets W; the monitor writes -E' into the column.
-    Their sum is the loss, and with that subtracted the unknown has E', for the next step.
+    E' after it. The auxiliary unknown has E and gets W, and the column has -E' of the monitor:
+    their sum is the loss. Less that the unknown has E', for the next step.
     """
     count, latest = found.gain.numbers.size, found.latest
     first, auxiliary = latest.size - count, found.y.size - count

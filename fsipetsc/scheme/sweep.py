@@ -2,22 +2,21 @@
 
 Nodes are swept in tiles: ranges along the first axis, and along the second one of three. The layers
 of a tile along the last axis are taken one after the other, in stages: a layer is loaded, and what
-its nodes need of it is found, when rates that need them are next. Boxes of nodes around a tile say
-where what is needed. Arrays keep few rows, in a ring of layers, which fit into the fastest memory.
-What two tiles need is found twice by the same operations: rates do not depend on tiles, nor on how
-a block is cut.
+its nodes need of it is found, when rates that need them are next. Arrays keep few rows, in a ring
+of layers, which fit into the fastest memory. What two tiles need is found twice by the same
+operations: rates do not depend on tiles, nor on how a block is cut.
 
 Where nothing else adds to the rates k of nodes, their sweep makes the next stage at once, and k
 needs no memory. The classical Runge-Kutta method from the solution y has the stages
 
     y1 = y + dt/2 k(y),   y2 = y + dt/2 k(y1),   y3 = y + dt k(y2)
 
-and, as y_1 - y is dt/2 k(y) and so on, without a sum that is kept from stage to stage, the solution
+and, as y_1 - y is dt/2 k(y) and so on, the solution
 
     y + 1/3 ((y1 - y) + 2 (y2 - y) + (y3 - y)) + dt/6 k(y3)
 
-With the other nodes, whose stages conditions may change, ``advance`` of
-fsipetsc.scheme.plan does the same after all is added, with such a sum.
+Conditions may change the stages of the other nodes: `advance` of fsipetsc.scheme.plan makes these
+after all is added, with a sum that is kept from stage to stage.
 """
 
 from itertools import product
