@@ -18,7 +18,7 @@ import numpy as np
 
 from fsipetsc.blocks.face_formulas import FaceNode
 from fsipetsc.equations.tensors import add_unit, outer
-from fsipetsc.equations.vectors import add, along, dot, last_times, per, scale
+from fsipetsc.equations.vectors import add, along, dot, last_times, per, scale, sub
 from fsipetsc.kernels.arrays import column, row
 from fsipetsc.kernels.loops import each, variable, when
 from fsipetsc.kernels.symbols import exact
@@ -59,12 +59,9 @@ def turn_plane(part, table):
             table[faces.row[i], faces.column[i] + c] += turning
 
 
-def slope_at(part, at, axis, of, own=-1.0):
-    """Return D_axis of a vector at a node of the ghosted array. With own = 1 it is D°, the operator
-    without the flux through the ends.
-
-    at: number of the node. axis: known, or read from an array. of: a function that returns the
-    vector at a node, a tuple.
+def slope_at(part, at, axis, of):
+    """Return D_axis of a vector at a node of the ghosted array; axis: known, or read from an array,
+    of: a function that returns the vector at a node, a tuple.
     """
     reach, nodes, stride = (part.axes[axis, c] for c in range(3))
     place, here = at // stride % nodes, of(at)
@@ -75,8 +72,8 @@ def slope_at(part, at, axis, of, own=-1.0):
             with when((first >= 0) & (first + k < nodes)):
                 band = part.S[axis, k, first]
                 with when(band != 0.0):
-                    both = along(of(at + sign * k * stride), own, here)
-                    for sum_, number in zip(total, both, strict=True):
+                    change = sub(of(at + sign * k * stride), here)
+                    for sum_, number in zip(total, change, strict=True):
                         sum_.value += sign * band * number
     return per(scale(0.5, tuple(sum_.value for sum_ in total)), part.weight[axis, place])
 
@@ -90,13 +87,11 @@ class Faces(SimpleNamespace):
     the other axes. column: of the face in what comes in. heat: (n,) what comes in per area [W/m2].
     effect: that of their conditions. add_node: `pass_face` of a gas, `load_face` of a solid.
 
-    Of a gas: outside: (n, d + 2), (rho, u, T) beyond. pressure: (n,) that beyond an outflow, 0 for
-    one that is supersonic. width: (n,) length [m] of the gas behind an open face of first order, or
-    the slip length of a wall, else 0.
-
-    Of a solid: traction: (n, d) per area at rest, pressure: (n,) that follows the face. stress:
-    (n,) pulls where waves leave. normal: (n, d) area vectors of the face as it is, in three
-    dimensions, which `turned` find.
+    Of a gas: outside: (n, d + 2), (rho, u, T) beyond. pressure: (n,) beyond an outflow, 0 for one
+    that is supersonic. width: (n,) length [m] of the gas behind an open face of first order, or the
+    slip length of a wall, else 0. Of a solid: traction: (n, d) per area at rest, pressure: (n,)
+    that follows the face, stress: (n,) pulls where waves leave. normal: (n, d) area vectors of the
+    face as it is, in three dimensions, which `turned` find.
     """
 
     def add(self, part, own, q, rates, gain):
@@ -109,13 +104,11 @@ class Faces(SimpleNamespace):
 
 def turn_face(face, q, normal):
     """Find the outward area vectors of the nodes of a solid's face in three dimensions, where it is
-    now. They have the curl form, with derivatives within the face only, and the bits that a gas
-    there has.
+    now, with the bits that a gas there has.
 
     face: curls: of it (fsipetsc.blocks.metrics); x: (3, W) places less those of linear maps,
     y: (3, W) these at rest, at: (W,) the nodes; areas: (9, n), of which rows from ``row`` on are
-    filled. sign: of the outward normal. begin, nodes: which nodes of the faces it has, perhaps none
-    on this rank.
+    filled. begin, nodes: which nodes of the faces it has, perhaps none on this rank.
     """
     like = (0.0,) * 3
     with when(face.nodes > 0):

@@ -122,11 +122,9 @@ def drifts(
     if not held or not len(series.get("dt", ())):
         return found
     for name, columns in held["masses"]:  # several of blocks of gas that are joined
-        mass, came = series["mass"][:, columns].sum(axis=1), 0.0
-        if "mass_in" in series:
-            came = np.cumsum(series["mass_in"][:, columns].sum(axis=1))
+        mass, came = (series[of][:, columns].sum(axis=1) for of in ("mass", "mass_in"))
         before = sum(first["mass"][column] for column in columns)
-        found[f"mass of '{name}'"] = (mass - came) / before - 1
+        found[f"mass of '{name}'"] = (mass - np.cumsum(came)) / before - 1
     mass_of_all = held.get("inertia", 0.0) + sum(np.asarray(first.get("mass", ())).tolist())
     momentum_of_all = np.sqrt(max(first.get("energy", 0.0), 0.0) * mass_of_all)
     for axis in held.get("momentum", ""):
@@ -136,8 +134,7 @@ def drifts(
         change = series[name] - first[name] - came
         found[f"momentum along {axis}"] = change / np.maximum(passed, least)
     if held["energy"]:
-        came = np.cumsum(series["energy_in"]) if "energy_in" in series else 0.0
-        found["energy"] = (series["energy"] - came) / first["energy"] - 1
+        found["energy"] = (series["energy"] - np.cumsum(series["energy_in"])) / first["energy"] - 1
     if held.get("entropy"):
         produced = series["entropy"] - first["entropy"]
         most = np.maximum(np.maximum.accumulate(produced), 0.0)
