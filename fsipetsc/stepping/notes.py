@@ -201,6 +201,6 @@ def of_laws(
             float(np.max(np.abs(series.get(name, 0.0)), initial=abs(initial[name])))
             for name in ("solid_energy", "energy")
         )
-        lost = float(np.cumsum(series["lost_energy"])[-1]) if "lost_energy" in series else 0.0
+        lost = float(np.sum(series.get("lost_energy", 0.0)))
         found["lost_energy"] = lost / of_solids if of_solids > NOTHING * of_all else 0.0
     return found

@@ -200,9 +200,7 @@ class Run(Integrator):
     def open(self) -> RunWriter:
         """Begin the result, or go on with it. Collective; InputError, FileError."""
         other = restart.check_place(self.comm, self.path, self.opt, self.past)
-        after = None
-        if (past := self.past) is not None:
-            after = past.header["run"], *past.header["result"], past.header["memory"]["t"]
+        after = self.past and self.past.header["result"]
         packages = "fsipetsc", "petsc4py", "mpi4py", "numpy"
         header = {
             "case": self.name,
@@ -250,9 +248,8 @@ class Run(Integrator):
             "case": self.name,
             "options": {k: v for k, v in self.opt.items() if k not in OF_A_RUN},
             "facts": restart.facts(self.state, self.opt),
-            "run": self.writer.mark,
             "memory": {name: getattr(self, name) for name in KEPT},
-            "result": [self.writer.nframes, self.writer.rows],
+            "result": [self.writer.mark, self.writer.nframes, self.writer.rows, self.t],
         }
         arrays = self.state.capture()
         write = file_layout.write_checkpoint
