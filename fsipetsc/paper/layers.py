@@ -142,24 +142,6 @@ class Layer(SimpleNamespace):
         begin, (lo, hi) = self.own[0], self.active.tolist()
         return slice(max(lo - begin, 0), max(hi + 1 - begin, 0))
 
-    def set_initial(self) -> None:
-        """Fill them with initial data; InputError, here alone perhaps."""
-        own = self.mine
-        fields = self.layer.values("initial", self.X[own])
-        if self.layer.exact is not None:  # what is wrong with it is not found out at the end
-            self.layer.values("exact", self.X[own])
-        if self.is_gas:
-            rho, u, T = fields
-            with np.errstate(all="ignore"):  # what comes of it is monitored
-                fields = [rho, rho * u, self.material.total_energy(rho, u, T)]
-        self.owned[:, own] = fields
-
-    def set_forcing(self, t: float) -> None:
-        """Evaluate the forcing at time t [s]. InputError, here alone perhaps."""
-        if self.forcing is not None:
-            values = self.layer.values("forcing", self.X[self.mine], t)
-            self.forcing[:, slice(*self.own)][:, self.mine] = values
-
     @np.errstate(all="ignore")
     def saved(self) -> Array:
         """(points, 5): of a gas rho, u, T, p, x, NaN where inactive; of a solid u, sigma, T, x, p:
@@ -175,15 +157,6 @@ class Layer(SimpleNamespace):
             x_X = self.scratch[0, slice(*self.own)] / self.h
             out[:4], out[4] = self.owned, self.material.pressure(self.owned[2], x_X)
         return np.ascontiguousarray(out.T)
-
-    def powers(self, t: float, power: int) -> Array:
-        """(unknowns,): h sum |error|^power at t [s] over active points without ghosts; InputError,
-        here alone perhaps."""
-        own = self.mine
-        exact = np.array(self.layer.values("exact", self.X[own], t))
-        counted = self.numbers[own] != (self.active[self.side] if self.is_gas else -1)
-        apart = self.saved()[own][counted, : len(exact)].T - exact[:, counted]
-        return self.h * np.sum(np.abs(apart) ** power, axis=1)
 
     def seen(self) -> tuple[Any, ...]:
         own = self.mine
