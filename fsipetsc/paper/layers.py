@@ -22,7 +22,7 @@ from fsipetsc.paper.rates import ROWS, Gas
 from fsipetsc.paper.stencils import halo_of_rates
 from fsipetsc.parallel.block_shares import Extent, Share, share_out
 from fsipetsc.parallel.exchange import RowExchange
-from fsipetsc.problem import Problem, check_place
+from fsipetsc.problem import Problem
 from fsipetsc.scheme.monitor import COLUMNS
 
 #: points by which a gas may grow, beside an eighth of its own
@@ -50,15 +50,6 @@ def check_form(problem: Problem, opt: Mapping[str, Any]) -> None:
             f"{found[0]}: the paper's couplings are of one solid beside gases in rigid frames, on "
             "grids of one spacing, with insulated walls at rest: take -fsi_coupling conservative"
         )
-
-
-def check_ends(problem: Problem, h: float) -> None:
-    """InputError if the outer end of a gas is not where its X says, to within a cell of h [m]."""
-    for side, end in enumerate((problem.left, problem.right)):
-        layer, solid = problem.layers[-side], problem.layers[1 - 3 * side]
-        if layer.kind == "fluid":
-            x = solid.values("initial", np.array(solid.X))[3][side]  # of the interface
-            check_place(layer, end, layer.X[side] - layer.X[1 - side] + x, h)
 
 
 def grid_of(problem: Problem, k: int, op: SBPOperator, h: float) -> tuple[int, int, int, int]:

@@ -29,9 +29,9 @@ from fsipetsc.kernels.procedure import Code
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import ends, rates
 from fsipetsc.paper.coupling import Interface, couple, note
-from fsipetsc.paper.layers import check_ends, check_form, exchanges_of, layers_of
+from fsipetsc.paper.layers import check_form, exchanges_of, layers_of
 from fsipetsc.parallel.exchange import Reduction, exchange_text
-from fsipetsc.problem import Problem
+from fsipetsc.problem import Problem, check_place
 from fsipetsc.process.together import agree, libraries, together
 from fsipetsc.scheme.observables import SERIES, record
 from fsipetsc.scheme.plan import OFF_GRID, STAGES, advance, plan_next
@@ -201,16 +201,19 @@ class PaperState(State):
         """
 
         def fill() -> None:
+            solid = next(v.layer for v in self.layers if not v.is_gas)
+            x = solid.values("initial", np.array(solid.X))[3]  # of its ends
             for v in self.parts.values():
                 fields = v.layer.values("initial", v.X[v.mine])
                 if v.layer.exact is not None:  # what is wrong with it is not found out at the end
                     v.layer.values("exact", v.X[v.mine])
                 if v.is_gas:
+                    end = v.layer.X[v.side] - v.layer.X[1 - v.side] + x[v.side]
+                    check_place(v.layer, v.ends[v.side], end, self.h)
                     rho, u, T = fields
                     with np.errstate(all="ignore"):  # what comes of it is monitored
                         fields = [rho, rho * u, v.material.total_energy(rho, u, T)]
                 v.owned[:, v.mine] = fields
-            check_ends(self.problem, self.h)
 
         together(self.comm, fill)
         self.show(0)
