@@ -18,7 +18,7 @@ import numpy as np
 
 from fsipetsc.blocks.face_formulas import FaceNode
 from fsipetsc.equations.tensors import add_unit, outer
-from fsipetsc.equations.vectors import add, along, dot, last_times, per, scale, sub
+from fsipetsc.equations.vectors import add, along, dot, last_times, per, scale
 from fsipetsc.kernels.arrays import column, row
 from fsipetsc.kernels.loops import each, variable, when
 from fsipetsc.kernels.symbols import exact
@@ -72,7 +72,7 @@ def slope_at(part, at, axis, of):
             with when((first >= 0) & (first + k < nodes)):
                 band = part.S[axis, k, first]
                 with when(band != 0.0):
-                    change = sub(of(at + sign * k * stride), here)
+                    change = along(of(at + sign * k * stride), -1.0, here)
                     for sum_, number in zip(total, change, strict=True):
                         sum_.value += sign * band * number
     return per(scale(0.5, tuple(sum_.value for sum_ in total)), part.weight[axis, place])
