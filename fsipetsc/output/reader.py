@@ -192,9 +192,10 @@ class Layer(Mapping[str, Array]):
         self.places: Array = nodes.reshape(*self.shape, d)
         self.periodic: tuple[bool, ...] = tuple(entry.get("periodic", [False] * d)[::-1])
         known = [*np.moveaxis(self.places, -1, 0)]
-        rows = [X.swapaxes(-1 - k, -1).reshape(-1, self.shape[-1 - k]) for k, X in enumerate(known)]
+        there = enumerate(known) if len(nodes) else ()  # else the result has no frames
+        rows = [X.swapaxes(-1 - k, -1).reshape(-1, self.shape[-1 - k]) for k, X in there]
         # whether each depends on its own axis alone
-        if all(of.size and np.ptp(of, axis=0).max() <= 1e-12 * np.ptp(of) for of in rows):
+        if rows and all(np.ptp(of, axis=0).max() <= 1e-12 * np.ptp(of) for of in rows):
             known = [of[0] for of in rows]
         known += [np.zeros(1)] * (3 - d)
         self.X, self.Y, self.Z = known
