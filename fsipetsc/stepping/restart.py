@@ -76,19 +76,15 @@ def find_past(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> Past | Non
     return Past(path, header, arrays)
 
 
-def check_place(comm: MPI.Comm, path: str, opt: Any, past: Past | None) -> Path | None:
-    """On rank 0 a checkpoint at this name that is not the past one. InputError, FileError."""
+def other_checkpoint(path: str, opt: Mapping[str, Any], past: Past | None) -> Path | None:
+    """A checkpoint at this name that is not the past one. InputError, FileError."""
     there = Path(os.path.realpath(path))
-
-    def check() -> Path | None:
-        if str(there) == os.path.realpath(opt["fsi_output"]):
-            what = "that is where the result goes; give it another name"
-            raise InputError(f"-fsi_checkpoint {path}: {what}")
-        check_folder(path)
-        if comm.rank > 0 or not there.exists():
-            return None
-        if not file_layout.is_checkpoint(there):
-            raise FileError(f"{path}: exists and is not a checkpoint of fsipetsc")
-        return None if past is not None and there.samefile(past.path) else there
-
-    return together(comm, check)
+    if str(there) == os.path.realpath(opt["fsi_output"]):
+        what = "that is where the result goes; give it another name"
+        raise InputError(f"-fsi_checkpoint {path}: {what}")
+    check_folder(path)
+    if not there.exists() or (past is not None and there.samefile(past.path)):
+        return None
+    if not file_layout.is_checkpoint(there):
+        raise FileError(f"{path}: exists and is not a checkpoint of fsipetsc")
+    return there

@@ -199,7 +199,8 @@ class Run(Integrator):
 
     def open(self) -> RunWriter:
         """Begin the result, or go on with it. Collective; InputError, FileError."""
-        other = restart.check_place(self.comm, self.path, self.opt, self.past)
+        of = self.path, self.opt, self.past
+        other = together(self.comm, lambda: restart.other_checkpoint(*of))
         after = self.past and self.past.header["result"]
         packages = "fsipetsc", "petsc4py", "mpi4py", "numpy"
         header = {
