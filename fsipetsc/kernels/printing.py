@@ -139,22 +139,13 @@ class _Rewriting:
         cores, exponents = zip(*(self.of[o.number] for o in symbol.operands), strict=True)
         a, b, m, n = cores[0], cores[-1], exponents[0], exponents[-1]
         if operation in ("*", "/"):
-            sign = 1 if operation == "*" else -1
-            first, second = (_power_of(operand.value) for operand in symbol.operands)
+            first = _power_of(symbol.operands[0].value)
             if operation == "*" and first is not None:
                 return b, n + first
-            if second is not None:
-                return a, m + sign * second
-            return apply(operation, a, b), m + sign * n
-        if operation in ("neg", "abs"):
+            return apply(operation, a, b), m + (n if operation == "*" else -n)
+        if operation == "neg":
             return apply(operation, a), m
-        if operation == "where":
-            of = {e for x, e in zip(cores[1:], exponents[1:], strict=True) if x.value != 0.0}
-            if len(of) == 1:
-                return apply("where", self.whole(symbol.operands[0]), *cores[1:]), of.pop()
-        elif operation in ("+", "-", "maximum", "minimum") and m == n:
-            return apply(operation, a, b), m
-        elif operation in ("+", "-"):  # the term takes the difference for which it costs least
+        if operation in ("+", "-"):  # the term takes the difference for which it costs least
             if _cost(b) < _cost(a):
                 return apply(operation, a, self._scaled(b, n - m)), m
             return apply(operation, self._scaled(a, m - n), b), n
@@ -174,9 +165,8 @@ def _has_uniform(x: Symbol) -> bool:
 
 
 def without_halves(wanted: Sequence[Symbol]) -> tuple[Record, list[Symbol]]:
-    """A record with fewer products that gives the same, and what is wanted of it. Nothing may be
-    exact, as in procedures.
+    """A record with fewer products that gives the same, and what is wanted of it: of one in which
+    nothing is exact.
     """
-    assert not wanted[0].record.exact, "fused products may change"
     made = _Rewriting(wanted)
     return made.record, [made.whole(symbol) for symbol in wanted]
