@@ -43,6 +43,12 @@ from fsipetsc.equations.tensors import (
     transpose,
 )
 from fsipetsc.equations.vectors import add, add_last, along, dot, last_times, mean, scale
+from fsipetsc.kernels.symbols import derivative
+
+
+def pressure_slopes(law, *at):
+    """dp/dJ [Pa] and dp/dT [Pa/K] of a law of pressure at (J, T, m0, alpha)."""
+    return [derivative(law.pressure, at, way) for way in np.eye(4)[:2].tolist()]
 
 
 class Solid(NamedTuple):
@@ -142,12 +148,11 @@ class Solid(NamedTuple):
         F = self.tensor(strain)
         J, m0, alpha = determinant(F), self.m0, self.alpha
         area, P = largest_stretch(cofactor(F)), self.full_stress(strain, T)
-        stiffness = self.pressing.stiffness(J, T, m0, alpha) / J
-        by_T = self.pressing.pressure_by_temperature(J, T, m0, alpha)
+        by_J, by_T = pressure_slopes(self.pressing, J, T, m0, alpha)
         pressed = (1.0 - self.coupled) * abs(self.pressure_at(J, T)) * area
         heats = self.coupled * np.sqrt(area * dot(P, P)) + pressed
         heating = abs(by_T) * heats / (m0 * alpha)
-        return self.law.wave_modulus(F) + np.maximum(stiffness, 0.0) * area + heating
+        return self.law.wave_modulus(F) + np.maximum(-by_J, 0.0) * area + heating
 
     def acoustic_tensor(self, strain, T, N):
         """Q [Pa] in the dimensions of the law, at constant entropy: waves along N move along its
@@ -162,8 +167,8 @@ class Solid(NamedTuple):
         J, m0, alpha, a = determinant(F), self.m0, self.alpha, apply(cofactor(F), n)
         pressed = -(1.0 - self.coupled) * self.pressure_at(J, T)
         heats = along(scale(self.coupled, apply(self.full_stress(strain, T), n)), pressed, a)
-        by_T = self.pressing.pressure_by_temperature(J, T, m0, alpha) / (m0 * alpha)
-        b = along(scale(self.pressing.stiffness(J, T, m0, alpha) / J, a), -by_T, heats)
+        by_J, by_T = pressure_slopes(self.pressing, J, T, m0, alpha)
+        b = along(scale(-by_J, a), -by_T / (m0 * alpha), heats)
         Q = add(self.law.acoustic_tensor(F, n), outer(a, b))
         return mean(Q, transpose(Q))
 

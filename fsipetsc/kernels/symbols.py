@@ -338,8 +338,8 @@ def uses_of(wanted: Sequence[Symbol]) -> Counter[int]:
 
 def replay(wanted: Sequence[Symbol]) -> Callable[..., list[Any]]:
     """Return the function of what is known that gives the symbols ``wanted``. It takes a number, an
-    array, or a symbol of another record by each symbol that is given and, as keywords, what to take
-    of some operations instead of numpy's functions.
+    array, or a symbol by each symbol that is given and, as keywords, what to take of some
+    operations instead of numpy's functions.
     """
     order = needed(wanted)
     last = {one.number: k for k, symbol in enumerate(order) for one in symbol.operands}
@@ -355,13 +355,33 @@ def replay(wanted: Sequence[Symbol]) -> Callable[..., list[Any]]:
                 if symbol.operands:
                     operands = [values[operand.number] for operand in symbol.operands]
                     values[symbol.number] = of[symbol.operation](*operands)
-                elif symbol.value is not None:
-                    values[symbol.number] = symbol.value
+                else:  # what is not known stays
+                    value = symbol if symbol.value is None else symbol.value
+                    values.setdefault(symbol.number, value)
                 for number in numbers:
                     del values[number]  # arrays of many nodes take memory
         return [values[symbol.number] for symbol in wanted]
 
     return found
+
+
+def derivative(formula: Callable[..., Any], numbers: Sequence[Any], along: Sequence[Any]) -> Any:
+    """The derivative of formula(*numbers) along a direction, exactly: the formula is recorded, and
+    its derivative follows from that. Numbers of the direction that are floats become constants.
+    """
+    record = next((x.record for x in numbers if isinstance(x, Symbol)), None) or Record()
+    known = dict[Symbol, Any]()
+
+    def given(value: Any) -> Symbol:
+        known[symbol := record.given(f"given {len(record.symbols)}")] = value
+        return symbol
+
+    step = given(0.0)
+    ways = (n if isinstance(n, float) else given(n) for n in along)
+    found = formula(*(given(x) + step * way for x, way in zip(numbers, ways, strict=True)))
+    several = isinstance(found, (tuple, list, np.ndarray))
+    slopes = replay(derivatives(found if several else (found,), step, still=True))(known)
+    return tuple(slopes) if several else slopes[0]
 
 
 #: numpy's function of an operation

@@ -8,7 +8,6 @@ with all formulas, as those in this folder.
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial, reduce, wraps
-from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +16,7 @@ from fsipetsc.checks import described, number
 from fsipetsc.equations.tensors import apply
 from fsipetsc.equations.vectors import add
 from fsipetsc.errors import InputError, call
-from fsipetsc.kernels.symbols import Record, Symbol, derivatives, numbers_of, replay
+from fsipetsc.kernels.symbols import Record, derivative, numbers_of
 from fsipetsc.materials.hyperelastic import NeoHookean
 from fsipetsc.materials.solid_pressure import NoPressure
 from fsipetsc.materials.stiffened_gas import PerfectGas
@@ -27,30 +26,11 @@ Formula = Callable[..., Any]
 #: kind of law -> what makes one, and a class that has all formulas
 GAS, SOLID = ("stiffened_gas or gas_law", PerfectGas), ("solid_law", NeoHookean)
 TRANSPORT = "sutherland or transport_law", ConstantTransport
-PRESSURE = "gruneisen or mie_gruneisen", NoPressure
-
-
-def along(formula, numbers, direction):
-    """The derivative of formula(*numbers) along a direction, exactly: the formula is recorded, and
-    its derivative follows from that. Numbers of the direction that are floats become constants.
-    """
-    record, known = Record(), dict[Symbol, Any]()
-
-    def given(value):
-        known[symbol := record.given(f"x{len(known)}")] = value
-        return symbol
-
-    step = given(0.0)
-    ways = (n if isinstance(n, float) else given(n) for n in direction)
-    found = formula(*(given(x) + step * way for x, way in zip(numbers, ways, strict=True)))
-    several = isinstance(found, (tuple, list, np.ndarray))
-    slopes = replay(derivatives(found if several else (found,), step, still=True))(known)
-    return tuple(slopes) if several else slopes[0]
 
 
 def gradient(formula, F):
     ways = np.eye(len(F)).tolist()
-    return [along(lambda *F: formula(F), F, way) for way in ways]
+    return [derivative(lambda *F: formula(F), F, way) for way in ways]
 
 
 class OwnGas(NamedTuple):
@@ -59,18 +39,18 @@ class OwnGas(NamedTuple):
     energy_density = PerfectGas.energy_density
 
     def heat_capacity(self, rho, T):
-        return along(self.internal_energy, (rho, T), (0.0, 1.0))
+        return derivative(self.internal_energy, (rho, T), (0.0, 1.0))
 
     def bulk_modulus(self, rho, T):
-        return rho * along(self.pressure, (rho, T), (1.0, 0.0))
+        return rho * derivative(self.pressure, (rho, T), (1.0, 0.0))
 
     def pressure_by_temperature(self, rho, T):
-        return along(self.pressure, (rho, T), (0.0, 1.0))
+        return derivative(self.pressure, (rho, T), (0.0, 1.0))
 
     def sound_speed_squared(self, rho, T):
         """dp/drho + T/(rho^2 cv) (dp/dT)^2 [m2/s2]."""
-        slope = self.pressure_by_temperature(rho, T) / rho
-        return self.bulk_modulus(rho, T) / rho + T * slope * slope / self.heat_capacity(rho, T)
+        rise = self.pressure_by_temperature(rho, T) / rho
+        return self.bulk_modulus(rho, T) / rho + T * rise * rise / self.heat_capacity(rho, T)
 
     def entropy(self, rho, T):
         """No number: the law has none."""
@@ -89,7 +69,7 @@ class OwnSolid(NamedTuple):
         d, columns = len(N), []
         for k in range(d):
             ways = tuple(N[m % d] if m // d == k else 0.0 for m in range(d * d))
-            columns.append(apply(along(lambda *F: self.stress(F), F, ways), N))
+            columns.append(apply(derivative(lambda *F: self.stress(F), F, ways), N))
         return tuple(columns[k][i] for i in range(d) for k in range(d))
 
     def energy(self, F):
@@ -177,6 +157,13 @@ def checked_law(law: Any, what: str, kind: tuple[str, type]) -> Any:
     return law
 
 
+def checked_pressure(law: Any, what: str) -> Any:
+    """The law of a pressure as `checked_law` has it; InputError, too, if it returns no number."""
+    law = checked_law(law, what, ("gruneisen or mie_gruneisen", NoPressure))
+    _check(f"{what}: pressure", law.pressure, _symbols(4), numbers_of)
+    return law
+
+
 def knows_entropy(law: Any) -> bool:
     return type(law).entropy is not OwnGas.entropy
 
@@ -195,20 +182,6 @@ def check_inverses(law: Any, rho: Any, T: Any, owner: str) -> None:
     _agree(f"{owner}: temperature(rho, internal_energy(rho, T))", law.temperature(rho, e), T)
     _agree(f"{owner}: temperature_of(rho, pressure(rho, T))", law.temperature_of(rho, p), T)
     _agree(f"{owner}: density(pressure(rho, T), T)", law.density(p, T), rho)
-
-
-@np.errstate(all="ignore")
-def check_pressure_law(law: Any, m0: float, alpha: float, what: str) -> None:
-    """InputError if formulas of a pressure return no number, or are not derivatives of pressure."""
-    for name in ("pressure", "pressure_by_temperature", "stiffness"):
-        _check(f"{what}: {name}", getattr(law, name), _symbols(4), numbers_of)
-    for J, T in product(np.array([0.96, 1.04]), np.array([1.0, 300.0])):
-        at, where = (J, T, m0, alpha), f"at J = {J:g}, T = {T:g}"
-        p_J, p_T = (along(law.pressure, at, way) for way in np.eye(4)[:2].tolist())
-        least = 1e-12 * abs(law.pressure(*at))
-        _agree(f"{what}: stiffness {where}, -J dp/dJ,", law.stiffness(*at), -J * p_J, least)
-        by_T = law.pressure_by_temperature(*at)
-        _agree(f"{what}: pressure_by_temperature {where}, dp/dT,", by_T, p_T, least)
 
 
 @np.errstate(all="ignore")

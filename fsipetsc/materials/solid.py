@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, described, numbers
 from fsipetsc.equations.solid import Solid as Equations
+from fsipetsc.equations.solid import pressure_slopes
 from fsipetsc.errors import InputError
 from fsipetsc.materials import own
 from fsipetsc.materials.fluid import force_in
@@ -57,8 +58,7 @@ class ElasticSolid:
             wanted = "expected 'coupled' or 'elastic'"
             raise InputError(f"ElasticSolid: heat is {described(self.heat)}: {wanted}")
         object.__setattr__(self, "force", force_in(self.force, 0, "ElasticSolid"))
-        law = self.solid_law
-        own.check_pressure_law(self.pressure_law, self.m0, self.alpha, "ElasticSolid: pressing")
+        law, _ = self.solid_law, self.pressure_law
         if self.heat == "elastic" and not own.knows_energy(law):
             raise InputError("ElasticSolid: no formula energy(F), which heat='elastic' needs")
 
@@ -76,7 +76,7 @@ class ElasticSolid:
     @property
     def pressure_law(self) -> Any:
         law = NoPressure() if self.pressing is None else self.pressing
-        return own.checked_law(law, "ElasticSolid: pressing", own.PRESSURE)
+        return own.checked_pressure(law, "ElasticSolid: pressing")
 
     @property
     def K(self) -> float:
@@ -114,12 +114,15 @@ class Elastic(NamedTuple):
     def pressure(self, T, x_X):
         return self.law.pressure(x_X, T, self.m0, self.alpha)
 
+    def pressure_slopes(self, T, x_X):
+        """dp/dx_X [Pa] and dp/dT [Pa/K]."""
+        return pressure_slopes(self.law, x_X, T, self.m0, self.alpha)
+
     def wave_modulus(self, T, p, sigma, x_X):
         """m0 c^2 [Pa] of elastic waves in Lagrangian coordinates: what (3.1b-d) make of
         (sigma - p)_t over u_X, (K - x_X p_x + x_X p_T (p - sigma)/(alpha m0))/x_X."""
-        at, heat = (x_X, T, self.m0, self.alpha), self.alpha * self.m0
-        p_T, stiffness = self.law.pressure_by_temperature(*at), self.law.stiffness(*at)
-        return (self.K + stiffness + x_X * p_T * (p - sigma) / heat) / x_X
+        p_x, p_T = self.pressure_slopes(T, x_X)
+        return (self.K - x_X * p_x + x_X * p_T * (p - sigma) / (self.alpha * self.m0)) / x_X
 
 
 @dataclass(frozen=True)
@@ -153,12 +156,12 @@ class Solid:
         numbers(self, "Solid", {**ranges, "force": ANY, "gruneisen": NONNEGATIVE})
         if self.pressing is not None and self.gruneisen != 0.0:
             raise InputError(f"Solid: gruneisen is {self.gruneisen:g} beside pressing: expected 0")
-        own.check_pressure_law(self.pressure_law, self.m0, self.alpha, "Solid: pressing")
+        self.pressure(1.0)  # refuses a law that is none
 
     @property
     def pressure_law(self) -> Any:
         if self.pressing is not None:
-            return own.checked_law(self.pressing, "Solid: pressing", own.PRESSURE)
+            return own.checked_pressure(self.pressing, "Solid: pressing")
         return gruneisen(self.gruneisen) if self.gruneisen > 0.0 else NoPressure()
 
     @property

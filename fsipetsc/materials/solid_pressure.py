@@ -1,5 +1,5 @@
-"""Pressures of solids p(J, T), J = det F, which add -p cof F to the stress. m0: density at rest
-[kg/m3], alpha: specific heat [J/(kg K)].
+"""Pressures of solids p(J, T) [Pa], J = det F, which add -p cof F to the stress. m0: density at
+rest [kg/m3], alpha: specific heat [J/(kg K)]. Their derivatives follow from them.
 """
 
 from typing import NamedTuple
@@ -11,15 +11,6 @@ class NoPressure(NamedTuple):
     """The stress is that of the solid's law alone."""
 
     def pressure(self, J, T, m0, alpha):
-        """p [Pa]."""
-        return 0.0
-
-    def pressure_by_temperature(self, J, T, m0, alpha):
-        """dp/dT [Pa/K]."""
-        return 0.0
-
-    def stiffness(self, J, T, m0, alpha):
-        """-J dp/dJ [Pa]."""
         return 0.0
 
 
@@ -37,12 +28,6 @@ class gruneisen(NamedTuple):
 
     def pressure(self, J, T, m0, alpha):
         return self.G * m0 * alpha * T / J
-
-    def pressure_by_temperature(self, J, T, m0, alpha):
-        return self.G * m0 * alpha / J
-
-    def stiffness(self, J, T, m0, alpha):
-        return self.pressure(J, T, m0, alpha)
 
 
 class mie_gruneisen(NamedTuple):
@@ -75,12 +60,3 @@ class mie_gruneisen(NamedTuple):
         hugoniot = m0 * self.c_0 * self.c_0 * eta / (room * room)
         heated = self.G_0 * m0 * alpha * (T - self.T_0)
         return hugoniot * (1.0 - 0.5 * self.G_0 * eta) + heated
-
-    def pressure_by_temperature(self, J, T, m0, alpha):
-        return self.G_0 * m0 * alpha
-
-    def stiffness(self, J, T, m0, alpha):
-        eta = 1.0 - J
-        room, shift = 1.0 - self.s * eta, 0.5 * self.G_0 * eta
-        slope = (1.0 + self.s * eta) / room * (1.0 - shift) - shift
-        return J * m0 * self.c_0 * self.c_0 * slope / (room * room)

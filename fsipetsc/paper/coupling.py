@@ -195,10 +195,9 @@ def project(of):
     # the state that the weights belong to
     (rho, _, T), (u_s, sigma, T_s, _) = of.gas_at(1), of.solid_at(0)
     bulk, p_T = gas.law.bulk_modulus(rho, T), gas.law.pressure_by_temperature(rho, T)
-    at, K, tau_f, tau_s = (x_X, T_s, solid.m0, solid.alpha), solid.K, 0.0, 0.0
-    c = solid.law.pressure_by_temperature(*at)
+    (p_x, c), K, tau_f, tau_s = solid.pressure_slopes(T_s, x_X), solid.K, 0.0, 0.0
     if of.kind == "energy":
-        K = (solid.K + solid.law.stiffness(*at)) / x_X
+        K = (solid.K - x_X * p_x) / x_X
         tau_f, tau_s = T / (rho * gas.law.heat_capacity(rho, T)), T / (solid.alpha * solid.m0)
     T_f = of.gas_at(0)[2]
     mu, kappa, k_s = gas.viscosity(T_f), gas.conductivity(T_f), solid.kappa_e / x_X
