@@ -53,7 +53,7 @@ LINES = [
     ("rod -fsi_output b.h5 -fsi_checkpoint b.h5", 2, "b.h5…that is where the result goes"),
     ("rod -fsi_checkpoint text.h5", 4, "text.h5: exists and is not a checkpoint of fsipetsc"),
     ("rod -fsi_restart rod.h5", 4, "rod.h5: …is not a checkpoint"),
-    ("new mine.py", 4, "mine.py: exists already"),
+    ("new mine.py", 4, "mine.py: File exists"),
     ("new rod.py", 2, "'rod.py' is no name of a case file"),
     ("new run.h5", 2, "expected one that ends in .py"),
     ("new two.py -blocks -water", 2, "-blocks and -water are given: expected one of them"),

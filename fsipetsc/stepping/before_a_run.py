@@ -4,14 +4,13 @@ compiled. ``compile CASE`` makes the kernels that the case needs, as on a login 
 whose compute nodes have no compiler.
 """
 
-import re
 import shlex
 from collections.abc import Mapping
 from pathlib import Path
 
 from fsipetsc import cases
 from fsipetsc.cases import load_case
-from fsipetsc.errors import FileError, InputError
+from fsipetsc.errors import InputError
 from fsipetsc.options import PROGRAM, read_options
 from fsipetsc.output.geometry_picture import draw_geometry, geometry_rows
 from fsipetsc.output.info import table
@@ -20,7 +19,7 @@ from fsipetsc.process.together import Comm, say, together
 
 
 def new(name: str, given: Mapping[str, str]) -> str:
-    """Write a template as the file `name`; return how it is run. InputError, FileError, OSError."""
+    """Write a template as the file `name`; return how it is run. InputError, OSError."""
     path = Path(name)
     if path.suffix != ".py" or path.stem in cases.BUILT_IN:
         expected = "expected one that ends in .py and is no built-in case, such as my_case.py"
@@ -30,14 +29,9 @@ def new(name: str, given: Mapping[str, str]) -> str:
     template = "".join(["template", *(option.replace("-", "_") for option in given), ".py"])
     template = "ring.py" if "-blocks" in given else template
     text = Path(cases.__file__).with_name(template).read_text(encoding="utf-8")
-    if re.fullmatch(r"[\w./-]+", name):  # as it may stand in the examples
-        text = text.replace("FILE.py", name).replace("NAME.", f"{path.stem}.")
-    try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(text)
-    except FileExistsError:
-        said = "exists already and is not overwritten; give another name"
-        raise FileError(f"{name}: {said}") from None
+    text = text.replace("FILE.py", shlex.quote(name)).replace("NAME.", f"{path.stem}.")
+    with path.open("x", encoding="utf-8") as file:
+        file.write(text)
     return f"wrote {path}; it runs as it is:  {PROGRAM} {shlex.quote(str(path))}"
 
 
