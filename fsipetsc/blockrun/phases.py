@@ -11,6 +11,7 @@ A phase is a list of calls, which C makes: procedures of parts and of particles
 """
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 from fsipetsc.kernels.procedure import Code
@@ -26,11 +27,11 @@ def procedures_of_steps(code: Code, found: Any) -> dict[str, Any]:
     of_step = monitor.begin_monitor, monitor.note_extremes, monitor.note_gained
     wanted: dict[str, Any] = {f.__name__: (f, found) for f in of_step}
     wanted["plan_next"] = stages.plan_next, found.plan
-    wanted["begin_rates"] = stages.begin_stage(None), found
+    wanted["begin_rates"] = partial(stages.begin_stage, None), found
     for n in range(stages.STAGES):
-        wanted[f"begin_{n}"] = stages.begin_stage(n), found
-        wanted[f"stage_{n}"] = stages.advance(n), found
-        wanted[f"time_{n}"] = set_time(stages.FRACTIONS[n]), found
+        wanted[f"begin_{n}"] = partial(stages.begin_stage, n), found
+        wanted[f"stage_{n}"] = partial(stages.advance, n), found
+        wanted[f"time_{n}"] = partial(set_time, stages.FRACTIONS[n]), found
     return {name: code.procedure(name, *one) for name, one in wanted.items()}
 
 

@@ -72,7 +72,8 @@ class Procedure(Called):
             given = [self._stand_in(name, value, record) for name, value in pairs]
             worlds = (record.given(v, kind="double *") for v in self.vectors)
             function(*given, *(Array(world, (None,)) for world in worlds))
-        self.text, self.kernels = self._text(function.__doc__ or "", record), record.kernels
+        says = getattr(function, "func", function).__doc__ or ""  # of what is a partial
+        self.text, self.kernels = self._text(says, record), record.kernels
 
     def _stand_in(self, name: str, value: Any, record: Recording) -> Any:
         """What stands for a record, or a part of one, while the procedure is recorded: arrays and

@@ -14,6 +14,7 @@ Nothing is added up over ranks: results are the same on any number of them, bit 
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from functools import partial
 from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
@@ -98,7 +99,7 @@ class PaperState(State):
         for f in (rates.forget, rates.finish):
             add(f.__name__, 0, f, steps)
         for n in range(STAGES):
-            add("stage", n, advance(n), steps)
+            add("stage", n, partial(advance, n), steps)
         planning = code.procedure("plan_next", plan_next, self.plan)
         (library,) = libraries(self.comm, [code.text], announce)
         code.load(library)

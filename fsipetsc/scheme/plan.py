@@ -12,8 +12,6 @@ of the numbers of a world vector of which sweeps give rates in any case, at_ends
 and what fsipetsc.blockrun.block_state has.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from fsipetsc.kernels.loops import each, when, whole
@@ -38,40 +36,29 @@ STAGES = 4
 FRACTIONS = 0.0, 0.5, 0.5, 1.0, 1.0
 
 
-def begin_stage(number: int | None) -> Callable[..., None]:
-    """Return the procedure before rates: sweeps store stages with this number, or rates."""
-
-    def begin(found):
-        """What sweeps store from now on; nothing has come in yet."""
-        kind, dt = LAST if number == 3 else STAGE, found.plan.batch[DT]
-        kind = RATES if number is None else kind
-        found.stage[0] = float(kind)
-        found.stage[1] = dt / 6.0 if kind == LAST else dt if number == 2 else 0.5 * dt
-        found.gain.numbers[:] = 0.0
-
-    return begin
+def begin_stage(number, found):
+    """What sweeps store from now on: the stage of this number, or rates. Nothing came in yet."""
+    kind, dt = LAST if number == 3 else STAGE, found.plan.batch[DT]
+    found.stage[0] = float(RATES if number is None else kind)
+    found.stage[1] = dt / 6.0 if kind == LAST else dt if number == 2 else 0.5 * dt
+    found.gain.numbers[:] = 0.0
 
 
-def advance(number: int) -> Callable[..., None]:
-    """Return the procedure of a stage, 0 to 3. It replaces the rates k, which sweeps have left in
-    f, by the next stage, with the sum that becomes the solution; y: the solution before the step.
+def advance(number, found, f):
+    """The stage of this number, 0 to 3, from the rates k, which sweeps have left in f, and the sum
+    that becomes the solution; y: the solution before the step.
 
         stage = y + a k,   sum = total + b k      a = dt/2, dt/2, dt;  b = dt/6, dt/3, dt/3
         stage = sum = total + dt/6 k              after the last one: the solution
     """
-
-    def stage(found, f):
-        """The next stage from rates, and the sum that becomes the solution."""
-        y, total, dt = found.y, found.total, found.plan.batch[DT]
-        a, b = dt if number == 2 else 0.5 * dt, dt / 3.0 if number in (1, 2) else dt / 6.0
-        for run in each(found.left.shape[0]):
-            for i in each(found.left[run, 0], found.left[run, 1], vector=True):
-                k, before = f[i], y[i] if number == 0 else total[i]
-                f[i] = before + b * k if number == 3 else y[i] + a * k
-                if number < 3:
-                    total[i] = before + b * k
-
-    return stage
+    y, total, dt = found.y, found.total, found.plan.batch[DT]
+    a, b = dt if number == 2 else 0.5 * dt, dt / 3.0 if number in (1, 2) else dt / 6.0
+    for run in each(found.left.shape[0]):
+        for i in each(found.left[run, 0], found.left[run, 1], vector=True):
+            k, before = f[i], y[i] if number == 0 else total[i]
+            f[i] = before + b * k if number == 3 else y[i] + a * k
+            if number < 3:
+                total[i] = before + b * k
 
 
 def longest_step(courant, fixed, rate):

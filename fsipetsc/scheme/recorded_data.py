@@ -96,11 +96,6 @@ def set_data(timed, time):
                 array[row] = value
 
 
-def set_time(part: float) -> Callable[..., None]:
-    """Return the procedure that evaluates data at a part of the step."""
-
-    def at(found):
-        """Set the time of data."""
-        found.time[0] = found.plan.batch[TIME] + part * found.plan.batch[DT]
-
-    return at
+def set_time(part, found):
+    """The time of data is at a part of the step."""
+    found.time[0] = found.plan.batch[TIME] + part * found.plan.batch[DT]
