@@ -109,7 +109,7 @@ class BlockLayout:
         than PETSc can count.
         """
         block, shape, op = self.problem.blocks[k], self.shapes[k], OPERATORS[self.order]
-        halo = width_of_halo(self.problem, k, self.order, shocks)
+        halo = self._halo(k, shocks)
         for axis, (n, closed) in enumerate(zip(shape, block.periodic, strict=True)):
             least = max(2 * op.p + 1, halo) if closed else op.min_points
             if n < least:
@@ -124,6 +124,19 @@ class BlockLayout:
         # what others need of derivatives must be no row of the closure, which reaches farther
         cut = max(op.rows + max(op.p, halo - op.p), halo), max(2 * op.p, halo)
         return Extent(block.kind, shape, tuple(cut[closed] for closed in block.periodic), halo)
+
+    def _halo(self, k: int, shocks: bool) -> int:
+        """Width of the halo of block k. Where derivatives act twice, in solids and in gases with
+        viscosity or conduction, a node needs 2 p others to each side; 3 p in solids that conduct,
+        whose temperature may follow from the strain; else p, one more at shocks, and at least 2.
+        Around an axis p is the number of images that nodes see, if that is more.
+        """
+        problem, material, p = self.problem, self.problem.blocks[k].material, self.order // 2
+        if problem.symmetry == 1 and problem.centred(k):
+            p = max([p, *(-i for i, _ in AXIS.get(self.order, ()))])
+        if material.kind == "solid":
+            return 3 * p if material.kappa_e > 0.0 else 2 * p
+        return 2 * p if material.mu > 0.0 or material.kappa > 0.0 else max(p + shocks, 2)
 
     def _ghosted(self, k: int, rank: int) -> tuple[tuple[int, int], ...]:
         """First node and first beyond of a rank's ghosted array along each axis: it goes on beyond
@@ -220,22 +233,6 @@ class BlockLayout:
         found: Array = vector.getArray(readonly=True).reshape(-1, columns).copy()
         vector.destroy()
         return found
-
-
-def width_of_halo(problem: Any, k: int, order: int, shocks: bool) -> int:
-    """Width of the halo of block k.
-
-    Where derivatives act twice, in solids and in gases with viscosity or conduction, a node needs
-    2 p others to each side; 3 p in solids that conduct, whose temperature may follow from the
-    strain; else p, one more at shocks, and at least 2. Around an axis p is the number of images
-    that nodes see, if that is more.
-    """
-    block, material, p = problem.blocks[k], problem.blocks[k].material, order // 2
-    if problem.symmetry == 1 and problem.centred(k):
-        p = max([p, *(-i for i, _ in AXIS.get(order, ()))])
-    if block.kind == "solid":
-        return 3 * p if material.kappa_e > 0.0 else 2 * p
-    return 2 * p if material.mu > 0.0 or material.kappa > 0.0 else max(p + shocks, 2)
 
 
 def _padded(spans: Sequence[tuple[int, int]]) -> tuple[tuple[int, int], ...]:

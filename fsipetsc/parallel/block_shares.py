@@ -6,9 +6,9 @@ closure that is not its own.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import accumulate, pairwise, product
 from math import prod
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,8 +22,7 @@ MESSAGE = 100.0
 WORTH_IT = 1.1
 
 
-@dataclass(frozen=True)
-class Extent:
+class Extent(NamedTuple):
     """A block as its partition sees it.
 
     kind: "fluid" or "solid". shape: nodes per axis. least: nodes, at least, that a part has along
@@ -55,8 +54,7 @@ class Extent:
         return [(0, n) for n in self.shape]
 
 
-@dataclass(frozen=True)
-class Share:
+class Share(NamedTuple):
     """The ranks of a block, those along axis 0 side by side, and the cuts of each axis."""
 
     ranks: tuple[int, ...]
