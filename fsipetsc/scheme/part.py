@@ -1,15 +1,13 @@
 """What procedures share for a rank's part of a block, of gas or solid. They take the part as a
 record: arrays and numbers with names (fsipetsc.blockrun.block_part). Of M owned nodes, and of N in
-the ghosted array, in d dimensions it has
+the ghosted array, in d dimensions it has what fsipetsc.parallel.block_layout.Part has, and
 
-    like: d zeros. dof: unknowns of a node. laws: fsipetsc.equations.gas or solid. k: number of the
-    block. patch: fsipetsc.operators.sbp. S, weight: bands of the three axes, with zeros behind.
-    axes: (3, 3) of each axis its longest pair, nodes, and how far these are apart in the ghosted
-    array. begin: of its unknowns in the world vector. halo: (dof, N), its nodes with a halo, or
-    (dof, 0) without. signs: of images, see fsipetsc.parallel.block_layout. X: (d, N) of the
-    reference map, or at rest. metrics: of a gas (d d + d, N), a^1 … a^d, velocity of the grid, and
-    around an axis A; of a solid (d d + 1, N), A^1 … A^d and J0, then R around an axis. masses: (M,)
-    weights of the nodes, of a solid times J0 m0. at_particles: see fsipetsc.particles.system.
+    like: d zeros. laws: fsipetsc.equations.gas or solid. S, weight: bands of the three axes, with
+    zeros behind. axes: (3, 3) of each axis its longest pair, nodes, and how far these are apart in
+    the ghosted array. X: (d, N) of the reference map, or at rest. metrics: of a gas (d d + d, N),
+    a^1 … a^d, velocity of the grid, and around an axis A; of a solid (d d + 1, N), A^1 … A^d and
+    J0, then R around an axis. masses: (M,) weights of the nodes, of a solid times J0 m0.
+    at_particles: see fsipetsc.particles.system.
 
     volume: the sweep. free: first node and first beyond along each axis, first, second one of
     three, last one, of the owned nodes to whose rates nothing is added after the sweep. terms:
