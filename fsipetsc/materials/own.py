@@ -6,7 +6,7 @@ them become text of the C code. A law whose numbers are data is an instance of a
 with all formulas, as those in this folder.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import cache, partial, reduce, wraps
 from typing import Any, NamedTuple
 
@@ -98,7 +98,7 @@ def gas_law(
         temperature_of: `temperature_of(rho, p)` [K].
         entropy: `entropy(rho, T)` [J/(kg K)]; None: the law has no entropy.
     """
-    return _law_of(OwnGas, "gas_law", 2, locals())
+    return _law_of(OwnGas, "gas_law", 2, **locals())
 
 
 def transport_law(viscosity: Formula, conductivity: Formula | None = None) -> Any:
@@ -108,8 +108,8 @@ def transport_law(viscosity: Formula, conductivity: Formula | None = None) -> An
         viscosity: `viscosity(T)` returns mu(T)/mu at T [K].
         conductivity: `conductivity(T)` returns kappa(T)/kappa; None: the same function.
     """
-    formulas = {"viscosity": viscosity, "conductivity": conductivity or viscosity}
-    return _law_of(ConstantTransport, "transport_law", 1, formulas)
+    conductivity = conductivity or viscosity
+    return _law_of(ConstantTransport, "transport_law", 1, **locals())
 
 
 def solid_law(*, stress: Formula, energy: Formula | None = None) -> Any:
@@ -122,21 +122,18 @@ def solid_law(*, stress: Formula, energy: Formula | None = None) -> Any:
         stress: `stress(F)` returns P = dW/dF [Pa].
         energy: `energy(F)` returns W [J/m3]; it is needed for `heat="elastic"`.
     """
-    return _law_of(OwnSolid, "solid_law", 0, locals())
-
-
-def _law_of(kind: type, maker: str, arguments: int, formulas: Mapping[str, Any]) -> Any:
-    """A law of functions of so many numbers, 0: they are checked later, or None. InputError."""
-    given = tuple((name, formula) for name, formula in formulas.items() if formula is not None)
-    for name, formula in given if arguments else ():
-        _check(f"{maker}: {name}", formula, _symbols(arguments), numbers_of)
-    return _class(kind, maker, given)()
+    return _law_of(OwnSolid, "solid_law", 0, **locals())
 
 
 @cache
-def _class(kind: type, name: str, formulas: tuple[tuple[str, Formula], ...]) -> Any:
-    """One class for the same formulas, so that gases of them may meet."""
-    return type(name, (kind,), {key: staticmethod(formula) for key, formula in formulas})
+def _law_of(kind: type, maker: str, arguments: int, **formulas: Formula | None) -> Any:
+    """The law of functions of so many numbers, 0: they are checked later, or None; one law for the
+    same functions, so that gases of it may meet. InputError.
+    """
+    given = {name: formula for name, formula in formulas.items() if formula is not None}
+    for name, formula in given.items() if arguments else ():
+        _check(f"{maker}: {name}", formula, _symbols(arguments), numbers_of)
+    return type(maker, (kind,), {name: staticmethod(formula) for name, formula in given.items()})()
 
 
 def checked_law(law: Any, what: str, kind: tuple[str, type]) -> Any:
