@@ -194,10 +194,15 @@ def _draw_curves(figure: Figure, run: Run, panels: list[Panel], columns: int) ->
     for axes, panel in zip(drawing.panels(figure, len(panels), columns), panels):
         axes.set_prop_cycle(**CURVES)
         for name, values in panel.curves.items():
-            t, sizes = envelope(panel.t, np.abs(values)) if panel.logarithmic else (panel.t, values)
-            axes.plot(t, sizes, label=name)
+            t = panel.t
+            if panel.logarithmic:
+                t, values = envelope(t, np.abs(values))
+                values = np.where(
+                    values > 0, values, np.nan
+                )  # else matplotlib warns of zeros alone
+            axes.plot(t, values, label=name)
         if panel.logarithmic:
-            axes.set_yscale("log", nonpositive="mask")
+            axes.set_yscale("log")
             axes.margins(y=0.0)  # decades, which follow, are margin enough
             low, high = np.log10(axes.get_ylim())
             axes.set_ylim(10.0 ** np.floor(max(low, high - 8.0)), 10.0 ** np.ceil(high))
