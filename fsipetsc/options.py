@@ -34,7 +34,7 @@ _KINDS = {
     "floats": "numbers with commas and no spaces between them",
 }
 #: check -> what is expected of a number, as in fsipetsc.checks; else it says so itself
-_BOUNDS = {"positive": POSITIVE, "nonnegative": NONNEGATIVE}
+_BOUNDS: Mapping[Any, str] = {"positive": POSITIVE, "nonnegative": NONNEGATIVE}
 
 
 @dataclass(frozen=True)
@@ -64,8 +64,13 @@ class Option:
     def __post_init__(self) -> None:
         object.__setattr__(self, "kind", getattr(self.kind, "__name__", self.kind))
         object.__setattr__(self, "unit", "" if self.unit == "-" else self.unit)
+        object.__setattr__(self, "check", _BOUNDS.get(self.check, self.check))
         if self.kind not in _KINDS:
             raise TypeError(f"option {self.name!r}: expected a kind of {', '.join(_KINDS)}")
+        if isinstance(self.check, str) and not self.check.startswith(("above ", "not below ")):
+            raise TypeError(
+                f"option {self.name!r}: expected a check of {', '.join(_BOUNDS)}, above 1 …"
+            )
 
     def parse(self, text: str) -> Any:
         if text == "" and self.kind != "bool":
@@ -83,7 +88,7 @@ class Option:
         if callable(self.check):
             good = call(self.check, (found,), f"check of -{self.name}")
         elif self.check:
-            good = all(within(item, _BOUNDS.get(self.check, self.check)) for item in items)
+            good = all(within(item, str(self.check)) for item in items)
         if good not in (None, True):
             raise InputError(f"{said}: expected {good or self._expected()}")
         return found
@@ -94,7 +99,7 @@ class Option:
             return f"{some} of {', '.join(map(str, self.choices))}"
         bound = "within its range" if callable(self.check) else self.check or ""
         unit = f"[{self.unit}]" if self.unit else ""
-        return " ".join(filter(None, (_KINDS[str(self.kind)], _BOUNDS.get(bound, bound), unit)))
+        return " ".join(filter(None, (_KINDS[str(self.kind)], bound, unit)))
 
 
 def _typed(kind: str, value: Any) -> Any:
