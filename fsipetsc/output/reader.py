@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -295,4 +296,6 @@ def open_run(path: str | os.PathLike[str]) -> Run:
     Raises:
         FileError: there is no such file, it is no result of fsipetsc, or it is damaged.
     """
-    return Run(path)
+    with suppress(FileError):
+        return Run(path)
+    return Run(path)  # its pieces may have become one file meanwhile
