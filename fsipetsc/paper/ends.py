@@ -154,12 +154,8 @@ class DirichletEnd(GasEnd):
     new = 3
 
     def ghost(self):
-        law, n, data, ((rho, u, T), (rho1, u1, T1)) = (
-            self.gas.law,
-            self.n,
-            self.data,
-            self.points[:2],
-        )
+        law, n, data, (rho, u, T) = self.gas.law, self.n, self.data, self.points[0]
+        rho1, u1, T1 = self.points[1]
         rho_D, u_D, T_D = (self.given(c, data[c]) for c in range(3))
         c2 = law.sound_speed_squared(rho1, T1)
         c, outflow = np.sqrt(c2), n * data[1] >= 0.0

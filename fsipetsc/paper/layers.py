@@ -186,14 +186,9 @@ def layers_of(comm, problem, opt, op, steps):
     for k, (layer, shape, share) in enumerate(zip(problem.layers, shapes, shares, strict=True)):
         (size, lo, hi, needed), material = grids[k], layer.material
         cuts = (0, *(cut + lo for cut in share.cuts[0][1:-1]), size)
-        v = Layer(layer=layer, number=k, h=h, share=Share(share.ranks, (cuts,)), steps=steps)
-        v.is_gas, v.op, v.closure, v.least = (
-            layer.kind == "fluid",
-            op,
-            closure.astype(float),
-            needed,
-        )
-        v.ends, v.given, v.narrow = problem.ends(k), np.zeros((2, 5)), narrow
+        v = Layer(layer=layer, number=k, h=h, op=op, closure=closure, narrow=narrow, steps=steps)
+        v.is_gas, v.least, v.share = layer.kind == "fluid", needed, Share(share.ranks, (cuts,))
+        v.ends, v.given = problem.ends(k), np.zeros((2, 5))
         end = v.ends[v.side]
         v.end, v.end_x = OF_GAS.get(type(end)), getattr(end, "x", 0.0)
         v.material = Gas(*material.equations(1)) if v.is_gas else material.elastic

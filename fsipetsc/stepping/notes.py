@@ -174,9 +174,8 @@ def first_bad(state: State) -> str:
             with np.errstate(all="ignore"):
                 good = (np.abs(values) < TOO_LARGE) & ((values > 0) | (name not in POSITIVE))
             for i in np.flatnonzero(~good)[:1].tolist():
-                number = (
-                    f"= {values[i]:.6g}" if np.isfinite(values[i]) else "is not a finite number"
-                )
+                v = values[i]
+                number = f"= {v:.6g}" if np.isfinite(v) else "is not a finite number"
                 where = f"{place_text(x[i], 'xyz')}{m}, {place_text(X[i])}{m}"
                 text = f"{name} {number} in layer '{state.problem.layers[k].name}' at {where}"
                 bad.append((k, int(numbers[i]), order, text))
