@@ -11,7 +11,7 @@ import numpy as np
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option
-from fsipetsc.scheme.observables import GAIN, PLACES, SERIES, TABLE, VELOCITIES, of_blocks, record
+from fsipetsc.scheme.observables import GAIN, PLACES, SERIES, TABLE, VELOCITIES, record
 
 Array = np.ndarray
 
@@ -59,12 +59,12 @@ OF_INTERFACES = "x_interface", "u_interface", "sigma_interface", "T_interface"
 def step_record(problem: Any, points: int = 0) -> np.dtype:
     """The columns of a step's record; from the integrals on these are shares of the ranks."""
     d, blocks = problem.dimension, problem.blocks
-    has = {"lossy": any(map(problem.loses, range(len(blocks)))), "pulled": problem.pulled}
-    has |= {name: d == k for k, name in enumerate(("line", "plane", "space"), 1)}
-    names = of_blocks([name for name, there in has.items() if there], d)
+    has = {"", ("line", "plane", "space")[d - 1], "pulled" * problem.pulled}
+    has.add("lossy" * any(map(problem.loses, range(len(blocks)))))
+    names = [name for one in TABLE if one.needs in has for name in one.names(d)]
     counts = {"layer": len(blocks), "gas": sum(block.kind == "fluid" for block in blocks)}
     counts |= {"interface": len(problem.interfaces), "point": points}
-    return np.dtype(record(list(names), {**counts, "face": len(problem.outer_faces) + 1}))
+    return np.dtype(record(names, {**counts, "face": len(problem.outer_faces) + 1}))
 
 
 class Probe(NamedTuple):

@@ -5,7 +5,7 @@ name in fsipetsc.scheme.gas_terms and solid_procedures. Columns of records, unit
 pictures, what `diff` adds up, and the table of the site follow from the entries.
 """
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -94,13 +94,6 @@ def record(names: Collection[str], counts: Mapping[str, int]) -> list[tuple[Any,
     """
     shapes = ((name, (counts[of],) if (of := SERIES[name].of) else ()) for name in names)
     return [(name, "f8", shape) for name, shape in shapes if 0 not in shape]
-
-
-def of_blocks(has: Collection[str], d: int) -> Iterator[str]:
-    """Names of the series of blocks in d dimensions; has: what the problem has."""
-    for one in TABLE:
-        if not one.needs or one.needs in has:
-            yield from one.names(d)
 
 
 @np.errstate(all="ignore")  # a drift that is no number says so itself
