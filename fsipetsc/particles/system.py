@@ -105,12 +105,11 @@ class ParticleSystem:
         those of this rank the place of the first unknown in the world vector, how far the others
         are apart, and H, which `begin` makes masses of solids.
         """
-        problem, ks = self._layout.problem, self._members[:, 0]
-        kinds = [SOLID if block.kind == "solid" else GAS for block in problem.blocks]
-        alphas = [getattr(block.material, "alpha", 0.0) for block in problem.blocks]
-        booked = [int(problem.loses(k)) for k in range(len(kinds))]
-        of_blocks = {"kind": np.array(kinds), "alpha": np.array(alphas, float)}
-        of_blocks["booked"] = np.array(booked)
+        problem, ks = self._layout.problem, self._members[:, 0].tolist()
+        blocks = [problem.blocks[k] for k in ks]
+        kind = np.array([SOLID if block.kind == "solid" else GAS for block in blocks], int)
+        alpha = np.array([getattr(block.material, "alpha", 0.0) for block in blocks], float)
+        booked = np.array([problem.loses(k) for k in ks], int)
         at, apart = np.zeros((2, len(ks)), np.int64)
         weight = np.zeros(len(ks))
         for k, part in self._layout.parts.items():
@@ -118,8 +117,7 @@ class ParticleSystem:
             own = part.rows(numbers)
             weight[rows] = part.weights(part.patch.ghosted_rows(own))
             at[rows], apart[rows] = part.begin + own, part.numbers.size
-        found = {name: of_each[ks] for name, of_each in of_blocks.items()}
-        return {**found, "weight": weight, "at": at, "apart": apart}
+        return dict(kind=kind, alpha=alpha, booked=booked, weight=weight, at=at, apart=apart)
 
     def _of_particles(self, mine: Array, most: int) -> dict[str, Any]:
         """What the record has of particles: their facts and kinds of constraints. mine: this rank
