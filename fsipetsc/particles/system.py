@@ -133,10 +133,11 @@ class ParticleSystem:
         return {"facts": SimpleNamespace(mine=mine.astype(int), **facts), "constraint": constraint}
 
     def faces_at(self, k: int) -> SimpleNamespace:
-        """The faces of block k at members here whose area vectors make the normals of constraints:
-        row of the member, whose columns have G and S of each constraint, and the first column of
-        the face's, twice where gas is at a solid; node in the ghosted array, axis of the face and
-        index along it; sign of the area in G or S times the weights of the other axes.
+        """The faces of block k at members here whose area vectors make the normals of constraints.
+
+        row: of the member in the table of area vectors, column: where G or S of the constraint
+        begins there; a face of the gas at a solid counts in both. node: in the ghosted array. axis:
+        of the face, index: along it. weight: those of the other axes, times the sign in G or S.
         """
         d, found, (rows, nodes, _) = self._layout.problem.dimension, [], self.own(k)
         row_of = dict(zip(nodes.tolist(), rows.tolist(), strict=True))
