@@ -139,10 +139,7 @@ def disk(opt: Opt) -> BlockProblem:
     *materials(solid_modulus=40.0, solid_density=14.0),
 )
 def cylinder(opt: Opt) -> BlockProblem:
-    """A shock runs over an elastic cylinder in a channel, which flies away.
-
-    The cylinder is at the origin.
-    """
+    """A shock runs over an elastic cylinder at the origin, which flies away along a channel."""
     gas, radius, core = common.gas_of(opt, R=AHEAD.p / AHEAD.rho), 0.5, 0.22
     solid = common.elastic_of(opt, AHEAD.p, law="neo-hookean")
     flow, inflow = shock_in_plane(gas, AHEAD, opt["cylinder_mach"], -1.0)

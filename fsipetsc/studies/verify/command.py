@@ -1,7 +1,6 @@
 """The command `verify`: cases against references that other codes can be tested with, too.
 
-An entry is a function of a Trial. There are runs of gases, of gas and solid; small motions by the
-linearised scheme.
+There are runs of gases, of gas and solid; small motions by the linearised scheme.
 """
 
 from collections import Counter
@@ -37,23 +36,16 @@ OPTIONS = (
     Option("verify_docs", str, None, "", "folder for a page and a picture of each entry"),
     *USUAL,
 )
-#: order of the operators -> cells in a unit of length
-Grids = dict[int, tuple[float, ...]]
-#: name of an entry -> its function, its grids, and whether it is on the level quick, too: with the
-#: first two grids of the first order
-ENTRIES: dict[str, tuple[Callable[[Trial], None], Grids, bool]] = {}
+#: name of an entry -> its function; order of the operators -> cells in a unit of length; whether it
+#: is on the level quick, too: with the first two grids of the first order
+ENTRIES: dict[str, tuple[Any, dict[int, tuple[float, ...]], bool]] = {}
 #: a reference between its points
 smooth = partial(make_interp_spline, k=5)
 
 
-def entry(grids: Grids, quick: bool = True) -> Callable[[Any], Any]:
-    """Make a function an entry of its name."""
-
-    def noted(measure: Any) -> Any:
-        ENTRIES[measure.__name__] = measure, grids, quick
-        return measure
-
-    return noted
+def entry(grids: dict[int, tuple[float, ...]], quick: bool = True) -> Callable[[Any], Any]:
+    """Make a function of a Trial an entry of its name."""
+    return lambda measure: ENTRIES.setdefault(measure.__name__, (measure, grids, quick))
 
 
 def joined(layers: Sequence[Any], frame: int) -> dict[str, Array]:
