@@ -6,7 +6,6 @@ or L2) of the mean over these, over the largest range on the finest grid of all 
 in layers of its kind.
 """
 
-from collections import defaultdict
 from collections.abc import Sequence
 from functools import partial, reduce
 from itertools import pairwise
@@ -63,30 +62,31 @@ def convergence(arguments: list[str], comm: Comm) -> None:
     own = {name: opt[name] for name in defaults(case)}
     own |= {"fsi_output_dt": None, "fsi_output_times": end}
     power = {"L1": 1, "L2": 2}[norm]  # of the errors, of which the norm takes the mean
-    runs, combined = defaultdict[int, list[Run]](list), list[Row]()
+    combined: list[Row] = []
 
-    def one(trial: Trial) -> None:
-        """Run the case on a grid; compare it, or all grids of this order after the last one."""
+    def solved(trial: Trial) -> Run:
+        """The result on a grid; what it has cost is printed."""
         run = trial.solve(arguments[0], **{**own, "fsi_h": trial.h})
         points, steps, _, seconds = (run.summary[name] for name in COST)
         cost = f"{points:>8.0f} points{steps:>8.0f} steps{seconds:>9.2f} s"
         study.say(f"{OPERATORS[trial.order].name}  h = {trial.h:<9.6g}{cost}")
-        runs[trial.order].append(run)
-        # closures err by order s at a fixed number of nodes
-        smooth = trial.order // 2 + 1.0 / power
-        rate = trial.kinked(1.0 / power) if opt["fsi_shock"] > 0.0 else smooth
-        for kind, errors in run.errors.items() if exact else ():
-            for name, error in errors.items():
-                trial.check(f"{kind}/{name}", error, rate)
-        if not exact and trial.h == hs[-1]:
-            of_grids = together(comm, lambda: differences(runs[trial.order], power))
-            for name, apart in of_grids.items():
-                known = rate if apart[-1] <= RESOLVED else None
-                trial.rows[name] = Row(name, trial.order, known, ROUND_OFF, hs[:-1], apart)
+        return run
 
-    for rows in study.measured(dict.fromkeys(orders, hs), one):
+    for trials in study.trials(dict.fromkeys(orders, hs)):
+        runs, order = [*map(solved, trials)], trials[0].order
+        kinds = runs[0].errors if exact else {}
+        found = {f"{k}/{n}": [run.errors[k][n] for run in runs] for k in kinds for n in kinds[k]}
+        if not exact:
+            found = together(comm, partial(differences, runs, power))
+        # closures err by order s at a fixed number of nodes
+        smooth = order // 2 + 1.0 / power
+        rate = trials[0].kinked(1.0 / power) if opt["fsi_shock"] > 0.0 else smooth
+        rows = []
+        for name, of in found.items():
+            known = rate if exact or of[-1] <= RESOLVED else None
+            rows.append(Row(name, order, known, None if exact else ROUND_OFF, hs[: len(of)], of))
         study.say("")
-        costs = {name: [run.summary[name] for run in runs[rows[0].order]] for name in COST}
+        costs = {name: [run.summary[name] for run in runs] for name in COST}
         study.add(case.NAME, source, rows, costs)  # the table is written again after each order
         study.say("")
         combined += [row for row in rows if row.quantity.endswith("/combined")]

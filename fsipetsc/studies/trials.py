@@ -232,11 +232,9 @@ class Study:
         self.save(head, rows)
         self.say(f"\nsaved {self.path}")
 
-    def measured(
-        self, grids: Mapping[int, Sequence[float]], measure: Callable[[Trial], None]
-    ) -> Iterator[list[Row]]:
-        """Yield the rows of each order that a function makes of trials, on grids from coarse to
-        fine: order -> spacings. Results are in a folder beside the table, which is removed.
+    def trials(self, grids: Mapping[int, Sequence[float]]) -> Iterator[list[Trial]]:
+        """Yield the trials of each order, from coarse to fine: order -> spacings. Their results are
+        in a folder beside the table, which is removed.
         """
         where, prefix = self.path.parent, f"{self.path.stem}-"
         made = self.on_first(lambda: TemporaryDirectory(dir=where, prefix=prefix))
@@ -244,9 +242,7 @@ class Study:
             folder = Path(self.comm.bcast(folder))
             for order, spacings in grids.items():
                 rows: dict[str, Row] = {}
-                for h in spacings:
-                    measure(Trial(self.comm, folder, order, h, rows))
-                yield [*rows.values()]
+                yield [Trial(self.comm, folder, order, h, rows) for h in spacings]
             self.comm.Barrier()  # other ranks may still read
 
     def add(

@@ -327,7 +327,11 @@ def verify(arguments: list[str], comm: Comm) -> None:
         if study.opt["verify_level"] == "quick":
             cells = {order: of[:2] for order, of in [*cells.items()][:quick]}
         grids = {order: [1.0 / n for n in of] for order, of in sorted(cells.items())}
-        rows = [row for of_order in study.measured(grids, measure) for row in of_order]
+        rows: list[Row] = []
+        for trials in study.trials(grids):
+            for trial in trials:
+                measure(trial)
+            rows += trials[0].rows.values()
         study.add(name, source, rows)  # the table is written again after each entry
         study.say("" if rows else "only with -verify_level full\n")
         study.on_first(partial(_show, study, name, title, rows))
