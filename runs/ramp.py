@@ -16,8 +16,7 @@ from fsipetsc import Block, BlockProblem, ElasticSolid, Fluid, Option
 from fsipetsc.blocks.conditions import Clamped, Open, Outflow, Roller, Slip
 from fsipetsc.blocks.maps import corners
 from fsipetsc.cases import common
-from fsipetsc.cases.flows import turned_by
-from fsipetsc.cases.riemann import GasState, sound
+from fsipetsc.cases.shocks import GasState, sound, turned_by
 
 OPTIONS = (
     Option("ramp_mach", float, 2.0, "", "Mach number of the gas that comes in", check="above 1"),

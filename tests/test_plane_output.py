@@ -13,7 +13,7 @@ from fsipetsc.output.file_layout import open_h5
 BOX = """
 from fsipetsc.blocks.conditions import Clamped
 from fsipetsc.cases.common import *
-from fsipetsc.cases.flows import *
+from fsipetsc.cases.shocks import *
 
 OPTIONS = blast.OPTIONS
 DEFAULTS = {"fsi_h": 1 / 16, "ts_max_time": 0.2, "fsi_output_dt": 0.1}

@@ -23,10 +23,9 @@ from fsipetsc.options import Option, groups
 _FILES = {
     "lines": "rod mms pulse box column piston",
     "waves": "heat wave",
-    "riemann": "shock tube elastic_piston superseismic",
-    "flows": "blast panel oblique step viscous_tube",
+    "shocks": "shock tube elastic_piston superseismic blast oblique",
+    "flows": "panel step viscous_tube shell disk cylinder nozzle fin",
     "ring": "ring",
-    "bodies": "shell disk cylinder nozzle fin",
     "manufactured": "box_mms body_mms",
 }
 #: name -> file of every built-in case

@@ -15,8 +15,8 @@ import numpy as np
 from fsipetsc import BlockProblem, ElasticSolid, Layer, Option
 from fsipetsc.blocks.conditions import Given, NoSlip
 from fsipetsc.blocks.maps import Places
-from fsipetsc.cases.bodies import disk_in_gas
 from fsipetsc.cases.common import Opt, case, gas_of, materials, stack
+from fsipetsc.cases.flows import disk_in_gas
 from fsipetsc.checks import Array, Fields
 from fsipetsc.equations import elementary, tensors
 from fsipetsc.equations.vectors import add, along, dot, scale, sub

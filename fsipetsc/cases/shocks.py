@@ -1,11 +1,11 @@
-"""Exact solutions with shocks and fans, and their cases: Riemann's problem of gas and solid.
+"""Shocks and fans, most with exact solutions, as of Riemann's problem of gas and solid.
 
-The gas stands on the left, the solid on the right; nothing is viscous or conducts heat. Both sides
-have one velocity u and one pressure p at the interface, their temperatures differ. The solid is at
-rest under a lower pressure, so that a shock goes into it; a shock or a fan goes into the gas. Gas:
-E. F. Toro, Riemann Solvers and Numerical Methods for Fluid Dynamics, 3rd ed., Springer 2009, Sec.
-4.2 to 4.5. Solid, with F = x_X, E = alpha m0 T and sigma - K ln F = const.: across a shock, whose
-speed over X is s, into the state 0
+There the gas stands on the left, the solid on the right; nothing is viscous or conducts heat. Both
+sides have one velocity u and one pressure p at the interface, their temperatures differ. The solid
+is at rest under a lower pressure, so that a shock goes into it; a shock or a fan goes into the gas.
+Gas: E. F. Toro, Riemann Solvers and Numerical Methods for Fluid Dynamics, 3rd ed., Springer 2009,
+Sec. 4.2 to 4.5. Solid, with F = x_X, E = alpha m0 T and sigma - K ln F = const.: across a shock,
+whose speed over X is s, into the state 0
 
     u - u0 = -s (F - F0),    m0 s^2 (F - F0) = sigma - sigma0,
     E - E0 = (sigma + sigma0)/2 (F - F0).
@@ -18,10 +18,12 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from fsipetsc import BlockProblem, Fluid, FluidLayer, Layer, Option, Problem, Solid, SolidLayer
-from fsipetsc.blocks.conditions import Clamped, Free, Given, Open, Slip
+from fsipetsc.blocks.conditions import Clamped, Free, Given, NoSlip, Open, Outflow, Roller, Slip
 from fsipetsc.boundaries import Wall, clamped, free
+from fsipetsc.cases import common
 from fsipetsc.cases.common import SHOCKS, Opt, case, gas_of, materials, solid_of, stack
 from fsipetsc.checks import Array, Fields
+from fsipetsc.equations.elementary import exp, power
 from fsipetsc.errors import InputError
 from fsipetsc.materials.solid import ElasticSolid
 
@@ -285,3 +287,84 @@ def superseismic(opt: Opt) -> BlockProblem:
     below = Layer("half space", material, (-height, 0.0), solid, exact=solid, sides=Given(solid))
     above = Layer("gas", air, (0.0, height), gas, exact=gas, sides=outside)
     return stack(opt, below, above, lower=Given(solid), upper=outside, along=((-0.5, 1.0),))
+
+
+@case(
+    {"fsi_h": 0.03125, "ts_max_time": 2.0, "fsi_output_dt": 0.05},
+    *materials(fluid_mu=0.002, fluid_kappa=0.003, solid_density=5.0, solid_modulus=40.0),
+    *materials(solid_law=("log", "neo-hookean", "svk")),
+    Option("blast_height", float, 1.0, "Pa", "overpressure; else p is 1", check="nonnegative"),
+)
+def blast(opt: Opt) -> BlockProblem:
+    """A pressure pulse under an elastic plate: gas | plate, a wall below, a pressure above.
+
+    The plate is free of stress under the ambient pressure 1, and held at its sides against X alone.
+    """
+    gas = gas_of(opt)
+    plate = common.elastic_of(opt, kappa_e=0.01, law=opt["solid_law"], heat="coupled")
+
+    def start(X, Y):  # of the same entropy everywhere
+        p = 1.0 + opt["blast_height"] * exp(-((X - 0.5) ** 2 + (Y - 0.5) ** 2) / 0.15**2)
+        rho = power(p, 1.0 / gas.gamma)
+        return rho, 0.0, 0.0, p / rho
+
+    below = Layer("gas", gas, (0.0, 1.0), start, sides=Slip())
+    above = Layer("plate", plate, (1.0, 1.25), common.at_rest(), sides=Roller())
+    return stack(opt, below, above, lower=NoSlip(), upper=Free(1.0), along=((0.0, 1.0),))
+
+
+def turned_by(gas: Fluid, state: GasState, theta: float) -> GasState:
+    """The gas behind the weak shock, at an angle beta to the flow, that turns a flow of velocity u,
+    whatever its direction, by theta [rad]. InputError if no attached shock does.
+
+    tan theta = 2 cot beta (M^2 sin^2 beta - 1) / (M^2 (gamma + cos 2 beta) + 2): J. D. Anderson,
+    Modern Compressible Flow, 3rd ed., 2003, Sec. 4.3.
+    """
+    from scipy.optimize import brentq
+
+    M = state.u / sound(gas, state)
+
+    def turned(beta):
+        below = M * M * (GAMMA + np.cos(2.0 * beta)) + 2.0
+        return np.arctan(2.0 / np.tan(beta) * ((M * np.sin(beta)) ** 2 - 1.0) / below)
+
+    angles = np.linspace(np.arcsin(1.0 / M), 0.5 * np.pi, 2001)
+    most = angles[np.argmax(turned(angles))]
+    if turned(most) <= theta:
+        what = f"no attached shock turns a flow of M = {M:.4g} by {np.degrees(theta):.4g} degrees"
+        raise InputError(f"{what}: expected less than {np.degrees(turned(most)):.4g}")
+    beta = brentq(lambda b: turned(b) - theta, angles[0], most, xtol=1e-15, rtol=1e-14)
+    normal, s = behind_shock(gas, state._replace(u=0.0), M * np.sin(beta))
+    # what is along the shock stays
+    return normal._replace(u=np.hypot(state.u * np.cos(beta), s - normal.u))
+
+
+@case(
+    {"fsi_h": 1 / 32, "ts_max_time": 4.0, "fsi_output_dt": 0.25, **SHOCKS},
+    Option("oblique_mach", float, 2.9, "", "Mach number of the gas that comes in", check="above 1"),
+    Option("oblique_angle", float, 10.0, "degrees", "theta, of the wedge", check="positive"),
+    Option("oblique_wall", str, "elastic", "", "what is below", ("rigid", "elastic")),
+    *materials(solid_modulus=40 / GAMMA, solid_density=10.0),
+)
+def oblique(opt: Opt) -> BlockProblem:
+    """An oblique shock that is reflected from a wall: a rigid one, or an elastic layer upon it.
+
+    Gas comes in from the left along the wall y = 0. A wedge above turns it by an angle theta
+    towards the wall; its shock comes in at the upper left corner, and the wall turns the gas back
+    by a second one (verify/oblique.py has both, over a rigid wall). An elastic layer is clamped
+    below, held against x at its ends and free of stress under the gas's pressure. Units are those
+    of the speed of sound and the density of the gas that comes in.
+    """
+    theta, gas = np.radians(opt["oblique_angle"]), Fluid(0.0, 0.0, GAMMA, 1.0 / GAMMA)
+    first = GasState(1.0, opt["oblique_mach"], 1.0 / GAMMA)
+    second = turned_by(gas, first, theta)
+    flow = common.constant(1.0, first.u, 0.0, 1.0)
+    u, v = second.u * np.cos(theta), -second.u * np.sin(theta)
+    sides = {(0, 0): Open(first.rho, (first.u, 0.0), 1.0), (0, 1): Outflow()}
+    members, lower = [Layer("gas", gas, (0.0, 1.0), flow, sides=sides)], Slip()
+    if opt["oblique_wall"] == "elastic":
+        solid, across = common.elastic_of(opt, first.p), (-0.25, 0.0)
+        layer = Layer("layer", solid, across, common.at_rest(), cells=18, sides=Roller())
+        members, lower = [layer, *members], Clamped()
+    upper = Open(second.rho, (u, v), second.p / (gas.R * second.rho))
+    return stack(opt, *members, along=((0.0, 3.0),), lower=lower, upper=upper)
