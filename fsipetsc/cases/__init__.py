@@ -21,12 +21,11 @@ from fsipetsc.options import Option, groups
 
 #: file -> its cases
 _FILES = {
-    "lines": "rod mms pulse box column piston",
-    "waves": "heat wave",
+    "lines": "rod pulse box column piston heat wave",
     "shocks": "shock tube elastic_piston superseismic blast oblique",
     "flows": "panel step viscous_tube shell disk cylinder nozzle fin",
     "ring": "ring",
-    "manufactured": "box_mms body_mms",
+    "manufactured": "mms box_mms body_mms",
 }
 #: name -> file of every built-in case
 BUILT_IN = {name: file for file, names in _FILES.items() for name in names.split()}
