@@ -24,8 +24,6 @@ from fsipetsc.output.reader import Run
 from fsipetsc.process.together import Comm, together
 from fsipetsc.studies.trials import ROUND_OFF, Row, Study, Trial, picture
 
-#: relative differences of grids that resolve a solution are smaller
-RESOLVED = 0.1
 #: names of the cost in the summary of a result
 COST = "points", "steps", "rhs_evaluations", "wall_time"
 OPTIONS = (
@@ -83,7 +81,7 @@ def convergence(arguments: list[str], comm: Comm) -> None:
         rate = trials[0].kinked(1.0 / power) if opt["fsi_shock"] > 0.0 else smooth
         rows = []
         for name, of in found.items():
-            known = rate if exact or of[-1] <= RESOLVED else None
+            known = rate if exact or of[-1] <= 0.1 else None  # else the grids do not resolve it
             rows.append(Row(name, order, known, None if exact else ROUND_OFF, hs[: len(of)], of))
         study.say("")
         costs = {name: [run.summary[name] for run in runs] for name in COST}

@@ -15,29 +15,22 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.linalg import orth
 from scipy.optimize import brentq
 from scipy.sparse.linalg import LinearOperator, eigs, splu
 
 from fsipetsc.cases import load_case
+from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option
 from fsipetsc.process.together import Comm, together
 from fsipetsc.studies.trials import Study, reference
 
-Real, Complex = NDArray[np.float64], NDArray[np.complex128]
-#: s f'(x) is the sum of weights times f(x + m s), of order 4: m, weight
-CENTRAL = (1, 2 / 3), (-1, -2 / 3), (2, -1 / 12), (-2, 1 / 12)
 #: least disturbance, as a fraction of what there is
 NUDGE = 2.0**-10
 #: what moves by less than this part of the rate of a mode is at rest
 AT_REST = 1e-9
-#: how much a mode swings at least, over the largest |lambda|; how rough it may be, the squares of
-#: the differences of neighbours over those of the values, 1 for waves of 6 nodes: central
-#: differences give what alternates from node to node the frequency of a long wave
-SWINGING, ROUGH = 1e-6, 1.0
 OPTIONS = (
     Option("ring_angular", int, 2, "", "waves around a ring", check="nonnegative"),
     Option("modes_count", int, 10, "", "how many modes, slowest first", check="positive"),
@@ -56,8 +49,6 @@ EXACT = (
     ({"shell_gas": "centre", "shell_kappa": 1}, "cylinder"),
     ({"shell_gas": "centre", "shell_kappa": 2}, "sphere"),
 )
-#: how far from an exact frequency one of the scheme is taken for it, over its size
-NEAR = 0.03
 
 
 def modes(arguments: list[str], comm: Comm) -> None:
@@ -87,7 +78,7 @@ def modes(arguments: list[str], comm: Comm) -> None:
     for i, omega in enumerate(omegas if comm.rank == 0 else (), 1):
         exact = min(known, key=lambda exact: abs(omega / exact - 1.0), default=np.inf)
         error = float(abs(omega / exact - 1.0))
-        beside = (exact, error) if error < NEAR else ("", "")
+        beside = (exact, error) if error < 0.03 else ("", "")  # else it is another mode
         rows.append((i, omega.real, omega.imag, *beside))
     of = f", angular number {n}" if name == "ring" else ""
     study.say(f"modes of {case.NAME}{of}, order {order}, h = {opt['fsi_h']:g}: exp(-i omega t)")
@@ -107,13 +98,14 @@ def alone(problem: Any, opt: Mapping[str, Any]) -> Any:
 
 def derivatives(state: Any, directions: Iterable[tuple[Any, Any]]) -> list[Any]:
     """Sparse matrices L and P about the solution of a state, with a column for each direction of
-    disturbance: numbers in the vector of unknowns, and by how much they change.
+    disturbance: numbers in the vector of unknowns, and by how much they change. Central differences
+    of order 4.
     """
     start, found = state.solution.array.copy(), ([], [])
     y, f = np.empty_like(start), np.empty_like(start)
     for at, change in directions:
         column = np.zeros((2, start.size))
-        for multiple, weight in CENTRAL:
+        for multiple, weight in ((1, 2 / 3), (-1, -2 / 3), (2, -1 / 12), (-2, 1 / 12)):
             y[:] = start
             y[at] += multiple * change
             state.right_hand_side(y, f)
@@ -124,7 +116,7 @@ def derivatives(state: Any, directions: Iterable[tuple[Any, Any]]) -> list[Any]:
     return [sparse.hstack(columns, "csc") for columns in found]
 
 
-def step_limit(spectrum: Complex) -> float:
+def step_limit(spectrum: Array) -> float:
     """The largest dt [s] for which RK4 amplifies none of these modes; one that grows counts with
     its frequency alone. Along each ray of Re z <= 0, z = dt lambda, |R| <= 1 up to one point.
     """
@@ -138,7 +130,7 @@ def step_limit(spectrum: Complex) -> float:
     return float(brentq(excess, 0.0, 3.2)) / radius  # at |z| = 3.2 each mode is amplified
 
 
-def radial_modes(problem: Any, opt: Mapping[str, Any], n: int = 0) -> Complex:
+def radial_modes(problem: Any, opt: Mapping[str, Any], n: int = 0) -> Array:
     """Angular frequencies omega [1/s] of the modes of angular number n of rings at rest around the
     origin, periodic along axis 1, or of shells in one dimension (n = 0), that swing, as
     exp(-i omega t), and are not rough, the slowest first. InputError where the grid has not enough
@@ -147,14 +139,16 @@ def radial_modes(problem: Any, opt: Mapping[str, Any], n: int = 0) -> Complex:
     values, blocks = column_modes(problem, opt, 1, n)
     steps = [np.diff(block, axis=0) for block in blocks]
     squares = [sum((np.abs(a) ** 2).sum(axis=(0, 1)) for a in of) for of in (steps, blocks)]
-    smooth = squares[0] < ROUGH * squares[1]
-    omega = 1j * values[smooth & (values.imag < -SWINGING * np.abs(values).max())]
+    # waves of 6 nodes have the same squares; central differences give what alternates from node to
+    # node the frequency of a long wave
+    smooth = squares[0] < squares[1]
+    omega = 1j * values[smooth & (values.imag < -1e-6 * np.abs(values).max())]
     return omega[np.argsort(omega.real)]
 
 
 def column_modes(
     problem: Any, opt: Mapping[str, Any], axis: int, n: int
-) -> tuple[Complex, list[Complex]]:
+) -> tuple[Array, list[Array]]:
     """Eigenvalues [1/s] of what is proportional to exp(-i n phi), and of each block the amplitudes
     of its unknowns over their scales, (rows, unknowns, eigenvalues).
 
@@ -196,7 +190,7 @@ def column_modes(
     return values, [of.reshape(*shape, -1) for of, shape in zip(amplitudes, shapes)]
 
 
-def modes_near(problem: Any, opt: Mapping[str, Any], s: complex, count: int = 1) -> Complex:
+def modes_near(problem: Any, opt: Mapping[str, Any], s: complex, count: int = 1) -> Array:
     """Eigenvalues [1/s] next to s != 0, but those of what is at rest and stays so: the largest of A
     (A - s)^-2, so many, or all but 2. InputError where the state is not steady or none are found.
 
@@ -225,7 +219,7 @@ def modes_near(problem: Any, opt: Mapping[str, Any], s: complex, count: int = 1)
     return moving[np.argsort(-np.abs(moving / (moving - s) ** 2))][:count]
 
 
-def scales(state: Any) -> Real:
+def scales(state: Any) -> Array:
     """Sizes of all unknowns of blocks at rest, those of a gas, and with its speed of sound; but all
     velocities have the size of the slowest speed, as they are the same on both sides of interfaces.
     """
