@@ -130,11 +130,7 @@ def shock_tubes(trial: Trial) -> None:
     trial.check("Shu-Osher, rho", apart, rate=1.0, power=1)
 
 
-#: 16 cells in a wave of length 2 pi
-WAVE = 16 / tau
-
-
-@entry({6: (WAVE, 2 * WAVE), 2: (WAVE, 2 * WAVE), 4: (WAVE, 2 * WAVE, 3 * WAVE)})
+@entry({**dict.fromkeys((6, 2), (16 / tau, 32 / tau)), 4: (16 / tau, 32 / tau, 48 / tau)})
 def taylor_green(trial: Trial) -> None:
     """Taylor and Green's vortex without viscosity: the gas is nearly incompressible."""
     period, warm, table = 2.0 * np.pi, 2500 / 1.4, reference("taylor_green")
