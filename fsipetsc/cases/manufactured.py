@@ -21,7 +21,6 @@ from fsipetsc.cases.flows import disk_in_gas
 from fsipetsc.checks import Array, Fields
 from fsipetsc.equations import elementary, tensors
 from fsipetsc.equations.vectors import add, along, dot, scale, sub
-from fsipetsc.errors import InputError
 from fsipetsc.kernels.symbols import Record, derivatives, replay
 
 Numbers = Sequence[Any]
@@ -316,9 +315,6 @@ def mms(opt: Opt) -> Problem:
     the solid alone. So the forcing of a fluid contains the exact velocity s of its frame, that at
     its interface point X_I, and the boundaries lie at X = X_I + x_boundary - x(X_I, t).
     """
-    if opt["fsi_coupling"] == "conservative":
-        problem = "the solution of mms is a function of X in a rigid frame"
-        raise InputError(f"-fsi_coupling: {problem}: expected projection, energy or traditional")
     gas, solid = gas_of(opt), solid_of(opt)
 
     def in_gas(X, t=0.0):
