@@ -190,8 +190,6 @@ def piston(opt: Opt) -> Problem:
     return Problem(layers, wall, Wall(2.2))
 
 
-# normal modes
-
 #: points of the collocation in either layer
 POINTS = 36
 
