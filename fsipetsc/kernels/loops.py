@@ -27,21 +27,18 @@ WHOLE = int, np.integer
 class Recording(Record):
     """The symbols and lines of a procedure; a symbol is known between the braces where it was made.
 
-    items: Symbols and Lines in their order. stores: how many there were, as what is read after one
-    may be another number. kernels: the texts of those that are called, in their order.
+    latest: the one that was begun last, which is at work. items: Symbols and Lines in their order.
+    stores: how many there were, as what is read after one may be another number. kernels: the texts
+    of those that are called, in their order.
     """
+
+    latest: "Recording"
 
     def __init__(self) -> None:
         super().__init__()
+        Recording.latest = self
         self.items, self.kernels = list[Symbol | Line](), dict[str, None]()
         self.stores = self.count = 0
-
-    def __enter__(self) -> "Recording":
-        _recordings.append(self)
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        _recordings.pop()
 
     def _keep(self, key: Any, made: Symbol) -> None:
         super()._keep(key, made)
@@ -77,12 +74,9 @@ class Recording(Record):
         self._known = before
 
 
-_recordings: list[Recording] = []
-
-
 def recording() -> Recording:
     """The recording of the procedure that runs."""
-    return _recordings[-1]
+    return Recording.latest
 
 
 def each(*ends: Any, vector: bool = False) -> Iterator[Symbol]:

@@ -67,11 +67,10 @@ class Procedure(Called):
         self.name, self._values = name, dict[str, Any]()
         parameters = list(inspect.signature(function).parameters)
         names, self.vectors = parameters[: len(records)], parameters[len(records) :]
-        with Recording() as record:
-            pairs = zip(names, records, strict=True)
-            given = [self._stand_in(name, value, record) for name, value in pairs]
-            worlds = (record.given(v, kind="double *") for v in self.vectors)
-            function(*given, *(Array(world, (None,)) for world in worlds))
+        record, pairs = Recording(), zip(names, records, strict=True)
+        given = [self._stand_in(name, value, record) for name, value in pairs]
+        worlds = (record.given(v, kind="double *") for v in self.vectors)
+        function(*given, *(Array(world, (None,)) for world in worlds))
         says = getattr(function, "func", function).__doc__ or ""  # of what is a partial
         self.text, self.kernels = self._text(says, record), record.kernels
 
