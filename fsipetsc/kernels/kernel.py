@@ -109,8 +109,8 @@ class Kernel:
         if not record.exact:
             record, values = without_halves(values)
         stores = [Line(f"{place} {{}};", (v,)) for (place, _), v in zip(self._stores, values)]
-        before: list[Any] = [symbol for symbol in record.symbols if symbol.uniform]
-        within = [symbol for symbol in record.symbols if not symbol.uniform]
+        before = [symbol for symbol in record.items if symbol.uniform]
+        within = [symbol for symbol in record.items if not symbol.uniform]
         counts = any(place == "counted +=" for place, _ in self._stores)
         loop = Line(f'ITEMS("omp simd{" reduction(+ : counted)" * counts}",')
         before += [Line(f"const long {name} = {text};") for text, name in self._offsets.items()]

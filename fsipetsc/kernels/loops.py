@@ -27,9 +27,9 @@ WHOLE = int, np.integer
 class Recording(Record):
     """The symbols and lines of a procedure; a symbol is known between the braces where it was made.
 
-    latest: the one that was begun last, which is at work. items: Symbols and Lines in their order.
+    latest: the one that was begun last, which is at work. items: symbols and Lines, in their order.
     stores: how many there were, as what is read after one may be another number. kernels: the texts
-    of those that are called, in their order.
+    of those that are called.
     """
 
     latest: "Recording"
@@ -37,12 +37,7 @@ class Recording(Record):
     def __init__(self) -> None:
         super().__init__()
         Recording.latest = self
-        self.items, self.kernels = list[Symbol | Line](), dict[str, None]()
-        self.stores = self.count = 0
-
-    def _keep(self, key: Any, made: Symbol) -> None:
-        super()._keep(key, made)
-        self.items.append(made)
+        self.stores, self.kernels = 0, dict[str, None]()
 
     def whole(self, value: Any) -> Symbol:
         """The symbol of a whole number."""
@@ -60,8 +55,7 @@ class Recording(Record):
 
     def new(self, letter: str) -> str:
         """A name that nothing else has."""
-        self.count += 1
-        return f"{letter}{self.count}"
+        return f"{letter}{len(self.items)}"
 
     @contextmanager
     def block(self, head: str, *values: Any) -> Iterator[None]:

@@ -110,7 +110,7 @@ class Symbol(NDArrayOperatorsMixin):
         self.record, self.operation, self.operands, self.kind = record, operation, operands, kind
         self.uniform = all([operand.uniform for operand in operands])
         self.text, self.value = "", None
-        self.number = len(record.symbols)
+        self.number = len(record.items)
 
     __add__, __radd__ = _operators("+")
     __sub__, __rsub__ = _operators("-")
@@ -147,10 +147,12 @@ class Symbol(NDArrayOperatorsMixin):
 
 
 class Record:
-    """The symbols that formulas make. exact: numbers of those that are not fused."""
+    """What formulas make. items: symbols, each after its operands. exact: numbers of those that are
+    not fused.
+    """
 
     def __init__(self) -> None:
-        self.symbols: list[Symbol] = []
+        self.items = list[Any]()
         self.exact: set[int] = set()
         self._known: dict[Any, Symbol] = {}
 
@@ -209,12 +211,9 @@ class Record:
     def _one(self, key: Any, operation: str, operands: tuple[Symbol, ...], kind: str) -> Symbol:
         """The only symbol of this key."""
         if (known := self._known.get(key)) is None:
-            self._keep(key, known := Symbol(self, operation, operands, kind))
+            self._known[key] = known = Symbol(self, operation, operands, kind)
+            self.items.append(known)
         return known
-
-    def _keep(self, key: Any, made: Symbol) -> None:
-        self._known[key] = made
-        self.symbols.append(made)
 
 
 def exact(x: Any) -> Any:
@@ -373,7 +372,7 @@ def derivative(formula: Callable[..., Any], numbers: Sequence[Any], along: Seque
     known = dict[Symbol, Any]()
 
     def given(value: Any) -> Symbol:
-        known[symbol := record.given(f"given {len(record.symbols)}")] = value
+        known[symbol := record.given(f"given {len(record.items)}")] = value
         return symbol
 
     step = given(0.0)

@@ -89,9 +89,9 @@ def set_data(timed, time):
         t = time[0]
         for i in each(one.x[0].shape[0], vector=True):
             row = i if one.at is None else one.at[i]
-            x, begun = tuple(x[i] for x in one.x), len(t.record.symbols)
+            x, begun = tuple(x[i] for x in one.x), len(t.record.items)
             values = one.make(x, t)
-            t.record.exact.update(range(begun, len(t.record.symbols)))
+            t.record.exact.update(range(begun, len(t.record.items)))
             for array, value in zip(one.targets, values, strict=True):
                 array[row] = value
 
