@@ -17,10 +17,10 @@ from fsipetsc.kernels.symbols import Record, Symbol, needed, uses_of
 
 
 class Line(NamedTuple):
-    """A line of C. form: has {} where values, or texts, stand."""
+    """A line of C. form: has {} where values stand."""
 
     form: str
-    values: tuple[Any, ...] = ()
+    values: tuple[Symbol, ...] = ()
 
 
 #: what an operation is in C, if it is no function; also sums that are fused with a product
@@ -39,8 +39,7 @@ _TYPES |= {f"{kind} *": f"{kind} *const" for kind in ("double", "long")}
 
 def printed(items: Sequence[Symbol | Line]) -> list[str]:
     """Lines of C: the lines among the items, and each symbol that they need where it stands."""
-    taken = (value for item in items if isinstance(item, Line) for value in item.values)
-    uses = uses_of([value for value in taken if isinstance(value, Symbol)])
+    uses = uses_of([value for item in items if isinstance(item, Line) for value in item.values])
     symbols = (one for one in items if isinstance(one, Symbol) and one.number in uses)
     sums = (one for one in symbols if one.operation in ("+", "-"))
     fused = {symbol.number: found for symbol in sums if (found := _fused(symbol, uses))}
@@ -48,8 +47,7 @@ def printed(items: Sequence[Symbol | Line]) -> list[str]:
     names, lines, inside = dict[int, str](), list[str](), 1
     for item in items:
         if isinstance(item, Line):
-            given = (names[v.number] if isinstance(v, Symbol) else v for v in item.values)
-            text = item.form.format(*given)
+            text = item.form.format(*(names[value.number] for value in item.values))
         elif item.number not in uses or item.number in left_out:
             continue
         elif item.value is not None:
