@@ -17,7 +17,7 @@ from fsipetsc.blocks.block_problem import Meeting
 from fsipetsc.blocks.conditions import COLUMNS, VECTORS, Condition
 from fsipetsc.blocks.face_formulas import Effect
 from fsipetsc.blocks.metrics import Curls
-from fsipetsc.checks import block_values, checked, names_of, place_text
+from fsipetsc.checks import POSITIVE, block_values, checked, names_of, place_text
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.procedure import Code, Procedure
@@ -28,8 +28,6 @@ from fsipetsc.scheme.recorded_data import Source, asked, positive
 from fsipetsc.scheme.sweep import in_order
 
 Array = NDArray[Any]
-#: data that must be above 0
-ABOVE_0 = "rho", "T", "slip_length"
 
 
 class BlockPart(Part):
@@ -249,7 +247,7 @@ def _column(condition: Condition, names: Sequence[str], less: float, x: Any, t: 
     for name in names:
         several = "uvw"[: len(x)] if name in VECTORS else ""
         value = asked(condition, name, x, t, several)
-        if name in ABOVE_0:
+        if condition.ranges.get(name) == POSITIVE:
             value = positive(value)
         found += [*value] if several else [value]
     return (tuple(found),) if len(found) > 1 else (found[0] - less,)

@@ -12,6 +12,7 @@ from petsc4py import PETSc
 from fsipetsc.blockrun import saved
 from fsipetsc.blockrun.parts import GasPart, SolidPart
 from fsipetsc.blockrun.phases import phases, procedures_of_steps
+from fsipetsc.blocks.block import size_of
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.checks import block_values, checked, names_of
 from fsipetsc.errors import InputError
@@ -69,7 +70,9 @@ class BlockState(State):
                 raise InputError(f"-{name} {opt[name]}: {blocks}: {expected}")
         order, shock = opt["fsi_order"], opt["fsi_shock"]
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
-        self.h, self.recorded = problem.spacing, saved.chosen(problem, opt["fsi_probes"])
+        sizes = (size_of(block) / float(np.prod(block.cells)) for block in problem.blocks)
+        self.h = min(sizes) ** (1.0 / problem.dimension)
+        self.recorded = saved.chosen(problem, opt["fsi_probes"])
         gain, particles = saved.gain_of(problem), particles_of(problem)
         of_layout = order, shock > 0.0, opt["fsi_partition"], gain.numbers.size
         self.layout = layout = BlockLayout(comm, problem, *of_layout)

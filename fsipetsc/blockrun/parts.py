@@ -67,7 +67,9 @@ class GasPart(BlockPart):
         potential[:] = -dot(self.laws.force, self.X)[: potential.size]
         self.terms = (of_gas.add_ends,) * self.moves + self.terms
         self.room = np.zeros((MONITORED + len(vars(self.columns)), COLUMNS))
-        self.masses, self.ends = self.H, self._ends()
+        kinds, self.masses = self.problem.kinds[self.k].items(), self.H
+        faces = [face for face, what in kinds if not isinstance(what, Centre)]
+        self.ends = SimpleNamespace(**self.nodes_of(faces)[0])
         grid = type(self.grid)
         moving = (*OF_MOVING_GAS, grid.edge, grid.swing) if self.moves else ()
         self._record((*moving, images, normals, *OF_GAS, grid.find_places))
@@ -105,13 +107,6 @@ class GasPart(BlockPart):
         self.known, self.follower_rows = self.gather.table, self.gather.rows
         _, own, particle = self.about.system.own(self.k)
         self.follows = particle[np.searchsorted(own, nodes[self.follower_rows])]
-
-    def _ends(self) -> SimpleNamespace:
-        """The ends of all axes here, which are none along a periodic axis and at a centre."""
-        faces = self.problem.kinds[self.k].items()
-        of, _ = self.nodes_of([face for face, what in faces if not isinstance(what, Centre)])
-        known = {name: of[name] for name in ("at", "own", "axis")}
-        return SimpleNamespace(**known, factor=of["sign"] * of["per_weight"])
 
     def initial(self, q: Array) -> None:
         """Fill q (M, d + 3) with the case's data, with J = 1."""

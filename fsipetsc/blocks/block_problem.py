@@ -172,23 +172,12 @@ class BlockProblem:
         normal /= np.linalg.norm(normal)
         return normal, here, np.mean(around, axis=0) if around else here - normal
 
-    @cached_property
-    def spacing(self) -> float:
-        """The mean size of the cells of the finest block [m]."""
-        d = self.dimension
-        return min((size_of(b) / float(np.prod(b.cells))) ** (1.0 / d) for b in self.blocks)
-
     # what happens
 
     @property
     def _forced(self) -> bool:
         """There is forcing, or interfaces get something from outside."""
         return self.jumps is not None or any(b.forcing for b in self.blocks)
-
-    @cached_property
-    def pulled(self) -> bool:
-        """A constant force acts on a block."""
-        return any(any(block.material.force) for block in self.blocks)
 
     @property
     def steady_data(self) -> bool:

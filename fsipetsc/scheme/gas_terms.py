@@ -146,7 +146,8 @@ def add_ends(part, own, q, rates, gain):
     ends = part.ends
     for i in each(ends.at.shape[0]):
         a = area(part, ends.axis[i], ends.at[i])
-        rates[ends.own[i], 0] += ends.factor[i] * dot(a, moving(part, ends.at[i]))
+        outward = ends.sign[i] * ends.per_weight[i]
+        rates[ends.own[i], 0] += outward * dot(a, moving(part, ends.at[i]))
 
 
 def supply(part, q, ghosted, rates, gain):
