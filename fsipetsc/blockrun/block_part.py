@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blockrun.saved import fields_of
+from fsipetsc.blocks.block import mesh
 from fsipetsc.blocks.block_problem import Meeting
 from fsipetsc.blocks.conditions import COLUMNS, VECTORS, Condition
 from fsipetsc.blocks.face_formulas import Effect
@@ -179,12 +180,8 @@ class BlockPart(Part):
         where = [(low + first, low + first + own) for (low, _), first, own in sizes]
         where[axis] = (shape[axis] - 1, shape[axis]) if side else (0, 1)
         curls = Curls(self.problem, self.k, self.order, where, faces=[(axis, 0)])
-        index = [
-            np.clip(np.arange(*ends) - low, 0, high - low - 1)
-            for ends, (low, high) in zip(curls.wide, ghosted, strict=True)
-        ]
-        places = np.meshgrid(*index, indexing="ij")
-        at = np.ravel_multi_index(places, self.patch.ghosted, order="F").ravel(order="F")
+        index = [np.arange(*ends) - low for ends, (low, _) in zip(curls.wide, ghosted)]
+        at = np.ravel_multi_index(mesh(index), self.patch.ghosted, "clip", "F").ravel()
         areas, x = np.zeros((9, curls.N)), zeros(curls.y.shape)
         of_wide = {"curls": curls, "x": x, "y": curls.y, "at": at, "areas": areas}
         of_face = {"row": 3 * axis, "begin": begin, "nodes": end - begin}
