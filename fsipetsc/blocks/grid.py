@@ -35,7 +35,7 @@ from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.metrics import Curls, Wide
 from fsipetsc.checks import Array
 from fsipetsc.kernels.arrays import column, zeros
-from fsipetsc.kernels.loops import each, pick
+from fsipetsc.kernels.loops import each, number, pick
 from fsipetsc.kernels.symbols import exact
 
 
@@ -102,7 +102,7 @@ class Cube(Grid):
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
         self.moved = zeros(self.x.shape)
-        self.ahead, self.back = np.zeros((2, 9, self.wide.N))
+        self.ahead, self.back = self.both = np.zeros((2, 9, self.wide.N))
 
     def edge(self, known):
         self.blend.complete(self.blend.moved, known, 0)
@@ -120,8 +120,8 @@ class Cube(Grid):
 
     def turn(self):
         """Find ahead and back, after `swing`."""
-        for sign, areas in ((1.0, self.ahead), (-1.0, self.back)):
-            self.find_faces(self.moved, self.blend.moving, self.x, areas, sign)
+        for s in each(2):
+            self.find_faces(self.moved, self.blend.moving, self.x, self.both[s], number(1 - 2 * s))
 
 
 class Radial(Grid):
@@ -244,8 +244,8 @@ class Blend(SimpleNamespace):
                     place = [
                         moved[k] * last[k] + 0 * i if k in moved else i for k, i in enumerate(at)
                     ]
-                    number = np.ravel_multi_index(place, shape, order="F")
-                    found.append(np.searchsorted(nodes, number))
+                    at_face = np.ravel_multi_index(place, shape, order="F")
+                    found.append(np.searchsorted(nodes, at_face))
                 of_ends = [end_weights(block, k, at[k], centred) for k in (a, b)]
                 if a == b:  # the ends of an edge count as its edges a
                     of_ends[1][:] = 0.0
