@@ -38,7 +38,8 @@ class BlockPart(Part):
     the nodes that the rank owns, and their H. terms: what adds to rates. sources: of data that may
     depend on time. added: whether something adds to the rates of nodes within the block, after its
     sweep. reads_ghosted: whether something but sweeps reads the ghosted array. names: of what is
-    saved of a node. code, does: the recorded procedures, also by their names.
+    saved of a node. moves: whether its grid does. code, does: the recorded procedures, also by
+    their names.
 
     about: layout of blocks; opt: options in force; particles: all of the problem, system: of those
     here; columns: name -> where a series begins in the record of a step; found: see
@@ -60,7 +61,7 @@ class BlockPart(Part):
         self.sources, self._slips = list[Source](), list[tuple[Array, ...]]()
         self.terms: tuple[Any, ...] = tuple(self._find_faces())
         self.reads_ghosted = bool(self.terms) or part.signs.size > 0
-        self.forcing, self.forced = None, any(self.laws.force)
+        self.forcing, self.forced, self.moves = None, any(self.laws.force), False
         if block.forcing is not None:
             self.forcing = np.zeros((len(names_of(block.kind, "forcing", d)), self.owned.size))
             given = "forcing", self._forced, self.X[:, self.owned], None

@@ -142,7 +142,8 @@ class BlockState(State):
         solids = (part for part in parts if part.block.kind == "solid")
         self.particles.begin({part.k: part.inertia[part.owned] for part in solids})
         for gas in self._gases:  # the metrics where nothing has moved
-            gas.does["begin_grid"]()
+            for name in ("edge", "move", "find_volumes"):
+                gas.does[name]()
             gas.reference[:] = gas.J
 
     def _left(self) -> np.ndarray:

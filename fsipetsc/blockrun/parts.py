@@ -30,7 +30,7 @@ from fsipetsc.scheme.solid_sweep import SolidSweep, solid_kernels
 
 Array = NDArray[Any]
 #: procedures of parts, and of those whose grid moves
-OF_GAS = rates, of_gas.monitor, of_gas.begin_grid, of_gas.find_volumes
+OF_GAS = rates, of_gas.monitor, of_gas.find_volumes
 OF_MOVING_GAS = of_gas.follow, of_gas.move, of_gas.turn
 OF_SOLID = of_solid.store, rates, of_solid.monitor, of_solid.measure, of_solid.stressed
 
@@ -71,8 +71,8 @@ class GasPart(BlockPart):
         faces = [face for face, what in kinds if not isinstance(what, Centre)]
         self.ends = SimpleNamespace(**self.nodes_of(faces)[0])
         grid = type(self.grid)
-        moving = (*OF_MOVING_GAS, grid.edge, grid.swing) if self.moves else ()
-        self._record((*moving, images, normals, *OF_GAS, grid.find_places))
+        moving = (*OF_MOVING_GAS, grid.swing) if self.moves else (grid.move,)
+        self._record((*moving, images, normals, *OF_GAS, grid.edge, grid.find_places))
 
     def _check_law(self, convection: str, sigma: float) -> None:
         """InputError if the law of the gas lacks what an option needs."""

@@ -57,13 +57,15 @@ def phases(
     follow = [*each("follow"), *(part.gather for part in parts if part.block.kind == "fluid")]
     reduce = [does["reduce"]] * (layout.comm.size > 1)
     normals = [*each("normals"), areas, does["end_normals"]] if slips else []
-    move, swing, stored = each("move"), each("swing"), list[Any]()
+    moving = [part for part in parts if part.moves]
+    edge, move = ([part.does[name] for part in moving] for name in ("edge", "move"))
+    swing, stored = each("swing"), list[Any]()
     if particles.record.stores:
         stored = [*move, does["begin_stored"], *fill, *each("store")]
         stored += [particles.stored, does["weigh_heat"]]
     # where walls slip, conditions change velocities, which grids follow
     imposed = [does["impose_conditions"], *(follow if slips else [])]
-    share = [does["weigh"], sums, does["end_sums"], *follow, *each("edge")]
+    share = [does["weigh"], sums, does["end_sums"], *follow, *edge]
     # what takes long is done just before the rates: ranks need not wait for it
     grid = swing if stored else [*move, *swing]
     found = {

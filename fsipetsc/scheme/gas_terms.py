@@ -170,14 +170,6 @@ def find_volumes(part):
         part.J[own] = part.grid.volume[node]
 
 
-def begin_grid(part):
-    """Find a^k and J of a grid where it is now."""
-    if len(part.like) < 3:
-        part.grid.edge(part.known)
-    part.grid.move()
-    find_volumes(part)
-
-
 def monitor(part, found, y):
     """Note extremes and sums of the owned nodes."""
     if part.moves:
