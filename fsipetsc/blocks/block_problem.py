@@ -62,6 +62,7 @@ class BlockProblem:
         check("optional", self.jumps, "BlockProblem: jumps")
         self.dimension = self.blocks[0].dimension
         self.tolerance, self.kinds, self._known, self.members = meet(self.blocks, self.faces)
+        self._columns: dict[Any, int] = {face: n for n, face in enumerate(self.outer_faces)}
         self._check_symmetry()
         self._find_laws()
         self.hinges = frozenset(self._hinge(*point) for point in self.points)
@@ -88,10 +89,6 @@ class BlockProblem:
         """(block, axis, side) -> what stands at faces that no other one meets, but for r = 0."""
         every = ((k, face, met) for k, own in enumerate(self.kinds) for face, met in own.items())
         return {(k, *face): c for k, face, c in every if not isinstance(c, (Meeting, Centre))}
-
-    @cached_property
-    def _columns(self) -> dict[Any, int]:
-        return {face: number for number, face in enumerate(self.outer_faces)}
 
     def column(self, face: tuple[int, int, int] | None) -> int:
         """Where the energy of a face, or of none, is among what comes in, see `face_names`."""

@@ -37,7 +37,9 @@ ALL = 3
 
 @cache
 def grid_kernel(d: int, near: Near, of: str, i: int = 0) -> Kernel:
-    """The kernel that makes planes out of planes x and of periods P, in d dimensions."""
+    """The kernel that makes planes out of planes x and of periods P, in d dimensions; of: the name
+    of what it makes, i: of which axis.
+    """
     kernel = Kernel(f"{of}_{i}{'_inside' * (near[0] > 0)}", f"{of.capitalize()} of nodes of a row.")
     j, k = (i + 1) % 3, (i + 2) % 3
 
@@ -82,8 +84,8 @@ class Wide(SimpleNamespace):
                 begin, end = max(begin, -images), min(end, n)
             self.wide.append((begin, end))
             bands.append(band.part(begin, end))
-        near, self.last = (order // 2, max(band.reach for band in bands)), bands[-1]
-        self.near, self.kernels = near, [partial(grid_kernel, d, of) for of in ((0, near[1]), near)]
+        near = order // 2, max(band.reach for band in bands)
+        self.kernels = [partial(grid_kernel, d, of) for of in ((0, near[1]), near)]
         begins = [begin for begin, _ in self.wide]
         self.every, self.range = np.tile(np.array([0, 1]), (2, 3, 1))
         for box, ends in (self.every, self.wide), (self.range, where):
@@ -176,11 +178,12 @@ class Curls(Wide):
                 box[axis] = box[axis, 0] + at + np.array([0, 1])
             boxes.append((box, np.clip(box + reach * across, 0, self.every[:, 1:])))
         self.boxes, self.only = np.array(boxes), np.array([ALL, *(axis for axis, _ in faces)])
-        layer = self.sizes[0] * self.sizes[1]
-        self.far = int(np.abs(self.axes[2].far).max()) // layer
+        layer, z = self.sizes[0] * self.sizes[1], np.arange(self.sizes[2])[:, None]
+        steps = self.axes[2].far // layer
+        self.far = int(np.abs(steps).max())
         self.slots = 2 * self.far + 1
-        places = np.arange(self.sizes[2]) % self.slots * layer
-        self.ring = axis_of(self.last, self.near, places)
+        in_ring = ((z + steps) % self.slots - z % self.slots) * layer
+        self.ring = self.axes[2]._replace(far=in_ring)
         self.q = zeros((9, self.slots * layer))
         self.products = np.array([np.cross(self.P[i - 2], self.P[i - 1]) for i in range(3)])
 
