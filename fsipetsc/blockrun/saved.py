@@ -59,7 +59,8 @@ OF_INTERFACES = "x_interface", "u_interface", "sigma_interface", "T_interface"
 def step_record(problem: Any, points: int = 0) -> np.dtype:
     """The columns of a step's record; from the integrals on these are shares of the ranks."""
     d, blocks = problem.dimension, problem.blocks
-    has = {"", ("line", "plane", "space")[d - 1], "pulled" * any(any(b.material.force) for b in blocks)}
+    has = {"", ("line", "plane", "space")[d - 1]}
+    has.add("pulled" * any(any(block.material.force) for block in blocks))
     has.add("lossy" * any(map(problem.loses, range(len(blocks)))))
     names = [name for one in TABLE if one.needs in has for name in one.names(d)]
     counts = {"layer": len(blocks), "gas": sum(block.kind == "fluid" for block in blocks)}
