@@ -5,7 +5,6 @@ and of other programs are taken in turn; ranks without a part sleep. A time is t
 samples, a ratio that of pairs taken one after the other.
 """
 
-import os
 import subprocess
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
@@ -63,7 +62,6 @@ def bench(arguments: list[str], comm: Comm) -> None:
         raise InputError(f"-bench_ranks {most}: put mpiexec -n {most} before the command")
     teams = {n: comm.Split(int(comm.rank >= n), comm.rank) for n in counts}
     rows: list[list[object]] = []
-    study.say(f"load of the machine: {os.getloadavg()[0]:.1f}")
     study.say(" ".join(f"{name:>11}" for name in COLUMNS))
     for about, case, own, program in targets(opt):
         options = {**defaults(case), "fsi_partition": opt["fsi_partition"], **own}
