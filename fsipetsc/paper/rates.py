@@ -229,7 +229,8 @@ def complete_gas(layer):
         for coefficient in STRIP[k, ::-1]:
             weight = (weight + float(coefficient)) * delta_of(layer)
         with when((a <= i) & (i < b)):
-            add(totals, -weight, see(i)[1])
+            for total, density in zip(totals, see(i)[1].values()):
+                total.value += -weight * density
     mass, momentum, energy = totals
     layer.steps.latest[layer.number // 2] += h * mass.value  # every other layer is a gas
     good = (least.value < 0.0) & finite
@@ -268,13 +269,9 @@ def surveyed(layer, least, see):
     *totals, other = found.values()
     finite = totals[0].value + totals[1].value + totals[2].value + other.value
     for r, i, _, _ in near_ends(layer.op, layer.span):
-        add(totals, layer.closure[r, 0] - 1.0, see(i)[1])
+        for total, density in zip(totals, see(i)[1].values()):
+            total.value += (layer.closure[r, 0] - 1.0) * density
     return extremes, totals, np.absolute(finite) < np.inf
-
-
-def add(totals, weight, densities):
-    for total, value in zip(totals, densities.values()):
-        total.value += weight * value
 
 
 def note(layer, integrals, speed, diffusivity, good):
