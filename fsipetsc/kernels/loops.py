@@ -214,8 +214,7 @@ class Array:
             return part
         form, terms = part._first()
         record, kind = recording(), self._base.kind.removesuffix(" *")
-        form = f"{{}}[{form}]"
-        return record.given(form, self._base, *terms, kind=kind, stores=record.stores)
+        return record.given(f"{{}}[{form}]", self._base, *terms, kind=kind, stores=record.stores)
 
     def __setitem__(self, at: Any, value: Any) -> None:
         """Store a number, a tuple of the numbers of an axis, or the same one everywhere."""

@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.kernels.loops import Array, Recording
+from fsipetsc.kernels.loops import Array, Recording, recording
 from fsipetsc.kernels.printing import printed
 from fsipetsc.kernels.symbols import Symbol
 
@@ -67,14 +67,14 @@ class Procedure(Called):
         self.name, self._values = name, dict[str, Any]()
         parameters = list(inspect.signature(function).parameters)
         names, self.vectors = parameters[: len(records)], parameters[len(records) :]
-        record, pairs = Recording(), zip(names, records, strict=True)
-        given = [self._stand_in(name, value, record) for name, value in pairs]
+        record = Recording()
+        given = [self._stand_in(*pair) for pair in zip(names, records, strict=True)]
         worlds = (record.given(v, kind="double *") for v in self.vectors)
         function(*given, *(Array(world, (None,)) for world in worlds))
         says = getattr(function, "func", function).__doc__ or ""  # of what is a partial
         self.text, self.kernels = self._text(says, record), record.kernels
 
-    def _stand_in(self, name: str, value: Any, record: Recording) -> Any:
+    def _stand_in(self, name: str, value: Any) -> Any:
         """What stands for a record, or a part of one, while the procedure is recorded: arrays and
         numbers get names in C; what is no such thing is a fact.
         """
@@ -82,28 +82,27 @@ class Procedure(Called):
             known = value.dtype.kind in "fi" and value.itemsize == 8
             if not (known and value.flags.c_contiguous):
                 raise TypeError(f"{name} is of {value.dtype}: expected contiguous float64 or int64")
-            sizes = (self._given(f"{name}_n{k}", n, record) for k, n in enumerate(value.shape))
-            return Array(self._given(name, value, record), tuple(sizes))
+            sizes = (self._given(f"{name}_n{k}", n) for k, n in enumerate(value.shape))
+            return Array(self._given(name, value), tuple(sizes))
         if isinstance(value, float):
-            return self._given(name, value, record)
+            return self._given(name, value)
         if isinstance(value, (int, np.integer)) and not isinstance(value, bool):
-            return self._given(name, int(value), record)
+            return self._given(name, int(value))
         if isinstance(value, tuple):
             names = getattr(value, "_fields", range(len(value)))
-            pairs = zip(names, value, strict=True)
-            parts = [self._stand_in(f"{name}_{n}", one, record) for n, one in pairs]
+            parts = [self._stand_in(f"{name}_{n}", one) for n, one in zip(names, value)]
             return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
         if isinstance(value, SimpleNamespace):
             made = _lazy(type(value))()
-            made._parts = vars(value), lambda n, one: self._stand_in(f"{name}_{n}", one, record)
+            made._parts = vars(value), lambda n, one: self._stand_in(f"{name}_{n}", one)
             return made
         return value
 
-    def _given(self, name: str, value: Any, record: Recording) -> Symbol:
+    def _given(self, name: str, value: Any) -> Symbol:
         while name in self._values:
             name += "_"
         self._values[name] = value
-        return record.given(name, uniform=isinstance(value, float), kind=_kind(value))
+        return recording().given(name, uniform=isinstance(value, float), kind=_kind(value))
 
     def _text(self, says: str, record: Recording) -> str:
         kinds = {name: _kind(value) for name, value in self._values.items()}

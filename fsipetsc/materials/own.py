@@ -29,8 +29,7 @@ TRANSPORT = "sutherland or transport_law", ConstantTransport
 
 
 def gradient(formula, F):
-    ways = np.eye(len(F)).tolist()
-    return [derivative(lambda *F: formula(F), F, way) for way in ways]
+    return [derivative(lambda *F: formula(F), F, way) for way in np.eye(len(F)).tolist()]
 
 
 class OwnGas(NamedTuple):
