@@ -4,7 +4,7 @@ import pytest
 
 from fsipetsc import Fluid, InputError
 from fsipetsc.blocks import conditions as new
-from fsipetsc.blocks.block_problem import Meeting
+from fsipetsc.blocks.block_problem import BlockFace
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.materials.solid import ElasticSolid
 
@@ -28,7 +28,7 @@ def seen(found, k):
     """Of block k: face -> what stands there, (name of the block, axis, side) where it meets one."""
     names = [block.name for block in found.blocks]
     return {
-        face: (names[kind.block], kind.axis, kind.side) if isinstance(kind, Meeting) else kind
+        face: (names[kind.block], kind.axis, kind.side) if isinstance(kind, BlockFace) else kind
         for face, kind in found.kinds[k].items()
     }
 

@@ -8,7 +8,7 @@ from block_ledgers import conditions_of
 
 from fsipetsc import Block, Fluid, InputError
 from fsipetsc.blocks import maps
-from fsipetsc.blocks.block_problem import BlockProblem, Meeting
+from fsipetsc.blocks.block_problem import BlockFace, BlockProblem
 from fsipetsc.blocks.conditions import Free, Hinge, NoSlip, Slip
 from fsipetsc.materials.solid import ElasticSolid
 
@@ -90,7 +90,7 @@ def test_any_face_meets_any_face_however_it_is_turned(d):
         a, b = box("a", cells), box("b", turned, SOLID, (1.0, 0.0, 0.0)[:d], axes, flips)
         problem = closed(a, b)
         ((face, met),), ((back_face, back),) = (
-            [found for found in problem.kinds[k].items() if isinstance(found[1], Meeting)]
+            [found for found in problem.kinds[k].items() if isinstance(found[1], BlockFace)]
             for k in (0, 1)
         )
         assert face == (0, 1) and (back.block, back.axis, back.side) == (0, 0, 1)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from fsipetsc.blockrun.saved import fields_of
 from fsipetsc.blocks.block import mesh
-from fsipetsc.blocks.block_problem import Meeting
+from fsipetsc.blocks.block_problem import BlockFace
 from fsipetsc.blocks.conditions import COLUMNS, VECTORS, Condition
 from fsipetsc.blocks.face_formulas import Effect
 from fsipetsc.blocks.metrics import Curls
@@ -153,12 +153,12 @@ class BlockPart(Part):
         Nor is it part of the stress of a law of a case. Faces to gas, and those with a traction of
         their own, get p_ref n(x) instead; in three dimensions n is in the curl form of the gas.
         """
-        met = isinstance(condition, Meeting)  # of a solid
+        met = isinstance(condition, BlockFace)  # of a solid
         less = self.p_ref if met or condition.loaded else 0.0
         faces.pressure[rows] = 0.0 - less
         if met and self.problem.jumps is not None:
             to = faces.traction, faces.heat
-            self.sources.append(Source(condition, self._supplied, X.T, rows, *to))
+            self.sources.append(Source("jumps", self._supplied, X.T, rows, *to))
         for column, names in COLUMNS.items():
             if getattr(condition, names[0], None) is not None:
                 make = partial(_column, condition, names, less if column == "pressure" else 0.0)
@@ -258,7 +258,7 @@ def _acting(problem: Any, k: int) -> list[tuple[int, int, Any, Effect]]:
     """
     found, p_ref, solid = [], _left_out(problem, k), problem.blocks[k].kind == "solid"
     for (axis, side), condition in problem.kinds[k].items():
-        met = isinstance(condition, Meeting)
+        met = isinstance(condition, BlockFace)
         to_gas = met and problem.blocks[condition.block].kind == "fluid"
         supplied = to_gas and solid and problem.jumps is not None
         beyond = _left_out(problem, condition.block) if met else 0.0

@@ -9,7 +9,7 @@ import numpy as np
 
 from fsipetsc.blocks.block import Block, Range, mesh, size_of
 from fsipetsc.blocks.conditions import Centre, Condition, Hinge
-from fsipetsc.blocks.faces import FaceName, Meeting, meet, united
+from fsipetsc.blocks.faces import BlockFace, FaceName, meet, united
 from fsipetsc.checks import Array, check, described, place_text
 from fsipetsc.errors import InputError
 from fsipetsc.materials.own import knows_entropy
@@ -88,7 +88,7 @@ class BlockProblem:
     def outer_faces(self) -> dict[tuple[int, int, int], Condition]:
         """(block, axis, side) -> what stands at faces that no other one meets, but for r = 0."""
         every = ((k, face, met) for k, own in enumerate(self.kinds) for face, met in own.items())
-        return {(k, *face): c for k, face, c in every if not isinstance(c, (Meeting, Centre))}
+        return {(k, *face): c for k, face, c in every if not isinstance(c, (BlockFace, Centre))}
 
     def column(self, face: tuple[int, int, int] | None) -> int:
         """Where the energy of a face, or of none, is among what comes in, see `face_names`."""
@@ -105,7 +105,7 @@ class BlockProblem:
     def _pairs(self, *kinds: str) -> list[tuple[int, int]]:
         """Blocks of these two kinds that have faces in common."""
         every = ((k, met) for k, own in enumerate(self.kinds) for met in own.values())
-        found = {(k, met.block) for k, met in every if isinstance(met, Meeting)}
+        found = {(k, met.block) for k, met in every if isinstance(met, BlockFace)}
         wanted = (pair for pair in found if tuple(self.blocks[k].kind for k in pair) == kinds)
         return sorted(wanted, key=sorted)
 
@@ -128,7 +128,7 @@ class BlockProblem:
         """[block, axis, side] of the solid's faces on an interface."""
         gas, k = self.interfaces[number]
         faces = self.kinds[k].items()
-        return sorted([k, *f] for f, c in faces if isinstance(c, Meeting) and c.block == gas)
+        return sorted([k, *f] for f, c in faces if isinstance(c, BlockFace) and c.block == gas)
 
     # places
 

@@ -6,7 +6,6 @@ Faces whose nodes are at the same places meet. Nodes of faces at one place are o
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -22,22 +21,9 @@ FaceName = tuple[str, int, int]
 _SAME = 1e-10
 
 
-@dataclass(frozen=True, eq=False)
-class Meeting:
-    """What stands at a face that another one meets: its number of block, axis and side."""
-
-    block: int
-    axis: int
-    side: int
-
-
-#: (axis, side) -> what stands there, of the faces of a block; there are none on a periodic axis
-Kinds = dict[tuple[int, int], Condition | Meeting]
-
-
-class Face:
-    """A face of block number `block`, and the condition that is named for it. InputError for one
-    that cannot stand there.
+class BlockFace:
+    """A face of block number `block`, and the condition that is named for it; also what stands at
+    the face that it meets. InputError for a condition that cannot stand there.
 
     nodes: their numbers, X: their places (N, d). labels: (N,), the same for nodes at one place;
     wanted: those of the nodes that the face meets.
@@ -60,7 +46,7 @@ class Face:
     def __str__(self) -> str:
         return f"{self.owner}, face (axis {self.axis}, side {self.side})"
 
-    def met_by(self, others: Sequence["Face"]) -> Condition | Meeting:
+    def met_by(self, others: Sequence["BlockFace"]) -> "Condition | BlockFace":
         """What stands at this face, at whose place others are. InputError for a condition too many
         or none.
         """
@@ -81,7 +67,11 @@ class Face:
             wrong = f"has no condition, and no face meets it: {wanted}"
         if wrong:
             raise InputError(f"{self}, about {place_text(self.X.mean(axis=0))}, {wrong}")
-        return Meeting(other.block, other.axis, other.side) if other else condition
+        return other or condition
+
+
+#: (axis, side) -> what stands there, of the faces of a block; there are none on a periodic axis
+Kinds = dict[tuple[int, int], Condition | BlockFace]
 
 
 def meet(
@@ -100,7 +90,7 @@ def meet(
     if unknown:
         wanted = f"expected {{(block name, axis, side): condition, …}}, of {[*every]}"
         raise InputError(f"BlockProblem: faces: there is no {described(unknown[0])}: {wanted}")
-    faces = [Face(*of, named.get(name)) for name, of in every.items()]
+    faces = [BlockFace(*of, named.get(name)) for name, of in every.items()]
     periodic = [face for face in faces if isinstance(face.condition, Periodic)]
     shifted = (face.X + face.condition.shift for face in periodic)
     X = [np.zeros((0, blocks[0].dimension)), *(face.X for face in faces), *shifted]
@@ -109,7 +99,7 @@ def meet(
     labels = same_place(places, tolerance)
     places = places[np.unique(labels, return_index=True)[1]]  # of the first of a label
     pieces = iter(np.split(labels, np.cumsum([len(x) for x in X[1:]])))
-    at = defaultdict[bytes, list[Face]](list)
+    at = defaultdict[bytes, list[BlockFace]](list)
     for face in faces:
         face.labels = face.wanted = next(pieces)
         at[_key(face.labels)].append(face)

@@ -11,7 +11,7 @@ import numpy as np
 from fsipetsc.blocks.block import mesh
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Periodic
-from fsipetsc.blocks.faces import Meeting
+from fsipetsc.blocks.faces import BlockFace
 from fsipetsc.checks import Array
 from fsipetsc.output import drawing
 from fsipetsc.output.info import Rows
@@ -35,7 +35,7 @@ def _faces(problem: BlockProblem, k: int) -> dict[tuple[int, int], tuple[str, st
     block, found = problem.blocks[k], {}
     for face, met in problem.kinds[k].items():
         kind, text = "condition", type(met).__name__
-        if isinstance(met, Meeting):
+        if isinstance(met, BlockFace):
             other = problem.blocks[met.block]
             shifted = isinstance(problem.faces.get((block.name, *face)), Periodic)
             name = "join" if other.kind == block.kind else "interface"

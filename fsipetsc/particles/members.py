@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.blocks.block_problem import BlockProblem, Meeting
+from fsipetsc.blocks.block_problem import BlockFace, BlockProblem
 from fsipetsc.blocks.conditions import Clamped
 from fsipetsc.checks import Array, place_text
 from fsipetsc.errors import InputError
@@ -80,7 +80,7 @@ class Particle:
         at_solids, found = list[Face](), list[Face]()  # of a gas; with conditions
         for face in (face for member in members for face in faces[member]):
             gas = problem.blocks[face.block].material
-            if not isinstance(face.met, Meeting):
+            if not isinstance(face.met, BlockFace):
                 found.append(face)
             elif gas.kind == "fluid" != problem.blocks[face.met.block].kind:
                 at_solids.append(face)
@@ -214,7 +214,7 @@ class Particle:
                     groups.append(group := [])
                 group.append(face)
             for group in groups:
-                walls_first = sorted(group, key=lambda face: isinstance(face.met, Meeting))
+                walls_first = sorted(group, key=lambda face: isinstance(face.met, BlockFace))
                 self.constraints.append((kind, walls_first))
 
     def _find_heat(self, materials: list[Any]) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.blocks.block_problem import Meeting
+from fsipetsc.blocks.block_problem import BlockFace
 from fsipetsc.checks import Array
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.parallel.block_layout import PARTICLES_TAG, BlockLayout
@@ -148,7 +148,7 @@ class ParticleSystem:
                 if block == k and number in row_of:
                     sign, at = 1 if side else -1, (row_of[number], number, axis)
                     found.append((*at, sign, on_solid if kind == ROLLS else on_gas))
-                    found += [(*at, -sign, on_solid)] * isinstance(met, Meeting)
+                    found += [(*at, -sign, on_solid)] * isinstance(met, BlockFace)
         row, number, axis, sign, column = np.array(found, np.int64).reshape(-1, 5).T.copy()
         part, own = self._layout.parts[k], (axis, np.arange(axis.size))
         node = part.patch.ghosted_rows(part.rows(number))
