@@ -44,6 +44,7 @@ def test_convergence_of_errors(tmp_path):
 def test_a_run_that_fails_ends_the_study(tmp_path):
     done = solve(*"convergence mms -fsi_orders 8 -fsi_hs 0.05 -fsi_cfl 4".split(), cwd=tmp_path)
     assert "computed before" not in message(done, 3, "order 8, h = 0.05: "), "it is removed"
+    assert "result in" not in done.stdout, "runs of a study are quiet"
     assert not list(tmp_path.iterdir())
     done = solve(*"convergence mms -fsi_orders 2,8 -fsi_hs 0.1,0.05".split(), cwd=tmp_path)
     message(done, 2, "order 8, h = 0.1: ", "needs 16: ")

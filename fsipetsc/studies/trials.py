@@ -135,7 +135,7 @@ class Trial:
         from fsipetsc.stepping.run import REMAINS
 
         ending = {} if end is None else {"ts_max_time": end, "fsi_output_dt": end}
-        own = {"fsi_order": self.order, "fsi_output": next(self.paths)}
+        own = {"fsi_order": self.order, "fsi_output": next(self.paths), "fsi_quiet": True}
         try:
             return run(what, comm=self.comm, **{"fsi_h": self.h, **ending, **options, **own})
         except (ComputationError, InputError) as error:
