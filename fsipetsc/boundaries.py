@@ -15,8 +15,6 @@ from fsipetsc.checks import NOWHERE, Array, datum
 
 #: a number, or a function of time
 Timed = float | Callable[[float], Any]
-#: data that are several numbers
-SEVERAL = {"values": ("rho", "u", "T")}
 
 
 class Boundary(Checked):
@@ -44,9 +42,9 @@ class Boundary(Checked):
         """(5,) at time t [s] all of ``given``, of `values` rho, u, T; then zeros; at last the
         temperature [K] or heat flux [W/m2]. InputError, perhaps on this rank alone.
         """
-        found, names = np.zeros(5), {name: SEVERAL.get(name) for name in self.given}
-        values = [datum(self, name, NOWHERE.T, t, of).ravel() for name, of in names.items()]
-        found[: sum(v.size for v in values)] = np.concatenate([*values, []])
+        found, several = np.zeros(5), {"values": ("rho", "u", "T")}
+        data = [datum(self, name, NOWHERE.T, t, several.get(name)).ravel() for name in self.given]
+        found[: sum(map(len, data))] = np.concatenate([*data, []])
         if self.heated:
             found[-1:] = datum(self, self.heated, NOWHERE.T, t)
         return found
