@@ -147,9 +147,7 @@ class Array:
     how far its numbers are apart along each axis, if not as in a whole array.
     """
 
-    def __init__(
-        self, base: Symbol, shape: Sequence[Any], at: Sequence[Any] = (), steps: Any = ()
-    ) -> None:
+    def __init__(self, base: Symbol, shape: Sequence[Any], at: Any = (), steps: Any = ()) -> None:
         self._base, self.shape, self._at, self._apart = base, tuple(shape), tuple(at), steps
 
     @property
