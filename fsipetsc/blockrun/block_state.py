@@ -21,7 +21,7 @@ from fsipetsc.kernels.procedure import Code
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import COMMON
 from fsipetsc.parallel.block_layout import BlockLayout
-from fsipetsc.parallel.exchange import Reduction, exchange_text
+from fsipetsc.parallel.exchange import EXCHANGES, Reduction
 from fsipetsc.particles.members import particles_of
 from fsipetsc.particles.system import ParticleSystem
 from fsipetsc.process.together import agree, libraries, together
@@ -114,7 +114,7 @@ class BlockState(State):
     def _compile(self, found: Any, announce: Callable[[str], None]) -> None:
         """Record what is not of parts, load all, and list what a step calls. InputError."""
         comm, layout, parts = self.comm, self.layout, self.parts.values()
-        calling = Code(exchange_text())
+        calling = Code(EXCHANGES)
         does: dict[str, Any] = procedures_of_steps(calling, found)
         having = () if self.problem.steady_data else (*parts, self.particles.prescribed)
         of_data = [timed(part.sources) for part in having]

@@ -31,7 +31,7 @@ from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import ends, rates
 from fsipetsc.paper.coupling import Interface, couple, note
 from fsipetsc.paper.layers import check_form, exchanges_of, layers_of
-from fsipetsc.parallel.exchange import Reduction, exchange_text
+from fsipetsc.parallel.exchange import EXCHANGES, Reduction
 from fsipetsc.problem import Problem, check_place
 from fsipetsc.process.together import agree, libraries, together
 from fsipetsc.scheme.observables import SERIES, record
@@ -85,7 +85,7 @@ class PaperState(State):
 
     def _load_procedures(self, steps: Any, announce: Any) -> None:
         """Make machine code of all procedures; does: name -> those that this rank calls."""
-        code, does = Code(exchange_text()), defaultdict[str, list[Any]](list)
+        code, does = Code(EXCHANGES), defaultdict[str, list[Any]](list)
 
         def add(name: str, number: int, f: Any, of: Any, here: bool = True) -> None:
             does[name] += [code.procedure(f"{name}_{number}", f, of)][: int(here)]

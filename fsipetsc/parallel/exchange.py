@@ -20,11 +20,8 @@ from fsipetsc.kernels.procedure import Called
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 _NO = np.zeros(0, np.int64)
-
-
-def exchange_text() -> str:
-    """The C code of exchanges and reductions."""
-    return Path(__file__).with_name("exchange.c").read_text("utf-8")
+#: the C code of exchanges and reductions
+EXCHANGES = Path(__file__).with_name("exchange.c").read_text("utf-8")
 
 
 class Route(NamedTuple):
@@ -40,7 +37,7 @@ class Route(NamedTuple):
 
 class Exchange(Called):
     """One exchange, of the numbers of all routes. Making one is on all ranks that take part. It is
-    loaded from a library with ``exchange_text``.
+    loaded from a library with EXCHANGES.
 
     source: None, if it is the world vector. tag: another one for each exchange. empty: this rank
     has nothing to do.

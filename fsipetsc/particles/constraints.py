@@ -18,6 +18,8 @@ one: the facts of a particle; p: its number. Accelerations, or velocities, a of 
 solid are lists of variables where constraints change them.
 """
 
+from types import SimpleNamespace
+
 import numpy as np
 
 from fsipetsc.equations.vectors import add, along, choose, dot, per, scale, sub
@@ -29,21 +31,12 @@ from fsipetsc.particles.members import NUMBERS, SLIPS, SOLID
 REDUNDANT = 1e-9
 
 
-class Facts:
-    """What record.facts has of particle p: numbers such as ``one.count``, else flags."""
-
-    def __init__(self, record, p):
-        self._facts, self._p = record.facts, p
-
-    def __getattr__(self, name):
-        found = getattr(self._facts, name)[self._p]
-        return found if name in NUMBERS else found == 1
-
-
 def every(record):
-    """Yield the number of each particle, and what is known of it."""
+    """Yield the number of each particle and its facts: some NUMBERS, and flags."""
     for p in each(record.mass.size):
-        yield p, Facts(record, p)
+        facts = {name: of[p] for name, of in vars(record.facts).items()}
+        flags = {name: number == 1 for name, number in facts.items() if name not in NUMBERS}
+        yield p, SimpleNamespace(**{**facts, **flags})
 
 
 def value_of(variables):

@@ -167,7 +167,7 @@ def give_state(record, y):
             alone = y[at(2 * d)] + change
             for c in range(d):
                 y[at(c)], y[at(d + c)] = D[c], v[c]
-            y[at(2 * d)] = np.where(constraints.Facts(record, p).one_T, shared, alone)
+            y[at(2 * d)] = np.where(record.facts.one_T[p] == 1, shared, alone)
 
 
 def end_rates(record, y, f):
