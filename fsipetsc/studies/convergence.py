@@ -37,10 +37,10 @@ def convergence(arguments: list[str], comm: Comm) -> None:
 
     Raises InputError; ComputationError if a run fails; FileError.
     """
-    from fsipetsc.stepping.run import build_problem
-
     case = together(comm, lambda: load_case(arguments[0]))
     study = Study(comm, arguments[1:], OPTIONS, f"{case.NAME}-convergence", case)
+    from fsipetsc.stepping.run import build_problem  # with PETSc, which has been started now
+
     opt, problem = study.opt, build_problem(case, study.opt, comm)
     exact = all(layer.exact is not None for layer in problem.layers)
     factors = (4, 2, 1, 1 / 2, 1 / 4) if exact and problem.dimension == 1 else (2, 1, 1 / 2)
@@ -57,7 +57,7 @@ def convergence(arguments: list[str], comm: Comm) -> None:
     end, unit = opt["ts_max_time"], " s" * (problem.units == "SI")
     about = f"{case.NAME}, distances from the {source} in {norm} at t = {end:g}{unit}"
     study.say(f"{about}, {counted(comm.size, 'rank')}\n")
-    own = {name: opt[name] for name in defaults(case)}
+    own = {name: opt[name] for name in defaults(case) if name.lower() in study.given}
     own |= {"fsi_output_dt": None, "fsi_output_times": end}
     power = {"L1": 1, "L2": 2}[norm]  # of the errors, of which the norm takes the mean
     combined: list[Row] = []

@@ -56,10 +56,10 @@ def modes(arguments: list[str], comm: Comm) -> None:
 
     Raises InputError, also where the case is not in a steady state at first; FileError.
     """
-    from fsipetsc.stepping.run import build_problem
-
     case, name = together(comm, lambda: load_case(arguments[0])), arguments[0]
     study = Study(comm, arguments[1:], OPTIONS, "modes", case)
+    from fsipetsc.stepping.run import build_problem  # with PETSc, which has been started now
+
     opt = {**study.opt, **STEADY.get(name, {})}
     order, count, n = opt["fsi_order"], opt["modes_count"], opt["ring_angular"] * (name == "ring")
     problem = build_problem(case, opt, comm)
