@@ -158,6 +158,10 @@ def test_flags_that_change_bits_are_refused(cache, monkeypatch):
             build.made(simple())
     monkeypatch.setenv("CFLAGS", "-O1 -ffinite-loops -fno-signed-char -funsafe-loop-optimizations")
     assert build.made(simple())
+    for name in ("CFLAGS", "CC"):
+        monkeypatch.setenv(name, "'open")
+        with pytest.raises(InputError, match=f'{name} is "\'open": no closing quotation'):
+            build.made(simple())
 
 
 def test_a_missing_compiler_is_told_and_not_needed_for_what_is_kept(cache, monkeypatch):

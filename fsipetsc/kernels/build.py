@@ -169,7 +169,11 @@ def _command() -> list[str]:
 
 def _words(name: str) -> list[str]:
     """The words of a variable of the environment. InputError for flags that would change bits."""
-    words = shlex.split(os.environ.get(name, ""))
+    given = os.environ.get(name, "")
+    try:
+        words = shlex.split(given)
+    except ValueError as error:
+        raise InputError(f"{name} is {given!r}: {str(error).lower()}") from error
     for flag in words:
         if flag.startswith(REFUSED):
             raise InputError(f"{name} has {flag}: results would depend on the compiler")

@@ -159,7 +159,7 @@ def _cost(x: Symbol) -> int:
 
 def _has_uniform(x: Symbol) -> bool:
     """Whether all nodes share a number, or a factor of a product."""
-    return x.uniform or (x.operation == "*" and any(map(_has_uniform, x.operands)))
+    return x.uniform or (x.operation == "*" and any(map(_has_uniform, {*x.operands})))
 
 
 def without_halves(wanted: Sequence[Symbol]) -> tuple[Record, list[Symbol]]:
