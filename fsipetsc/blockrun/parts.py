@@ -149,7 +149,9 @@ class GasPart(BlockPart):
 
 
 class SolidPart(BlockPart):
-    """One part of a solid block. reference: (M,) J0 of owned nodes."""
+    """One part of a solid block. reference: (M,) J0 of owned nodes; squares: (M,) the squared wave
+    number that bounds a step, over m0 [m/kg].
+    """
 
     def __init__(self, part: Part, about: SimpleNamespace) -> None:
         super().__init__(part, about)
@@ -158,6 +160,11 @@ class SolidPart(BlockPart):
         self.inertia = self.metrics[d * d] * self.laws.m0
         self.reference = self.metrics[d * d, self.owned]
         self.masses = self.H * self.inertia[self.owned]
+        sizes = (self.metrics[: d * d, self.owned].reshape(d, d, -1) ** 2).sum(axis=1)
+        self.squares = (sizes.T * self.per_h**2).sum(axis=1) / self.reference**2
+        if self.problem.symmetry:
+            self.squares += self.laws.curvature(self.metrics[-1, self.owned])
+        self.squares /= self.laws.m0
         self.F = zeros((len(self.laws.unstrained(self.like)), part.numbers.size))
         self.prestress = None
         if block.prestress is not None:

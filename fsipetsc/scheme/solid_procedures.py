@@ -13,7 +13,7 @@ from fsipetsc.kernels.loops import each
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.faces import strain_at
 from fsipetsc.scheme.monitor import observe
-from fsipetsc.scheme.part import area, book, ghosted_planes, nodes_of, owned_planes
+from fsipetsc.scheme.part import book, ghosted_planes, nodes_of, owned_planes
 
 
 def store(part, particles, y):
@@ -95,22 +95,15 @@ def seen_at(part, q, own, node):
     """Return what `observe` asks for. Convection is inf where the state is not physical; a J that
     is no number is left out.
     """
-    solid, metrics, d = part.laws, part.metrics, len(part.like)
+    solid, d = part.laws, len(part.like)
     zeros = (0.0,) * d
     displacement, v, e = row(zeros, q, own), row(zeros, q, own, d), q[own, 2 * d]
     F = column(solid.unstrained(zeros), part.F, own)
     T, J = temperature(part, v, e, F, node), solid.volume(F)
-    squares, J0 = 0.0, metrics[d * d, node]
-    for k in range(d):
-        A = area(part, k, node)
-        squares = squares + dot(A, A) * part.per_h[k] * part.per_h[k]
-    squares = squares / (J0 * J0)
-    if solid.around:
-        squares = squares + solid.curvature(metrics[d * d + 1, node])
-    modulus = solid.wave_modulus_at(F, T)
-    speed = np.sqrt(np.maximum(modulus, 0.0) / solid.m0 * squares)
+    modulus, squares = solid.wave_modulus_at(F, T), part.squares[own]
+    speed = np.sqrt(np.maximum(modulus, 0.0) * squares)
     good = (J > 0.0) & (T > 0.0) & (modulus > -1e-300) & (speed < np.inf)
-    diffusion = STIFFNESS_OF_WIDE * solid.kappa / (solid.m0 * solid.alpha) * squares
+    diffusion = STIFFNESS_OF_WIDE * solid.kappa / solid.alpha * squares
     bad, fastest = np.where(good, 0.0, 1.0), np.where(good, speed, np.inf)
     least = -np.where(J < np.inf, J, np.inf)
     place = add(column(zeros, part.X, node), displacement)
