@@ -12,7 +12,7 @@ from fsipetsc.blocks.conditions import Centre, Clamped, Free, Hinge, NoSlip, Ope
 from fsipetsc.blocks.maps import Map, Places, annulus, off_axis, rectangle
 from fsipetsc.cases import common
 from fsipetsc.cases.common import SHOCKS, Opt, case, materials
-from fsipetsc.cases.ring import INNER, OUTER, VESSEL
+from fsipetsc.cases.ring import CORE, INNER, OUTER, VESSEL
 from fsipetsc.cases.shocks import GAMMA, GasState, shock_in_plane
 from fsipetsc.checks import Array
 from fsipetsc.equations.elementary import tanh
@@ -114,7 +114,7 @@ def viscous_tube(opt: Opt) -> BlockProblem:
 @case(
     {"fsi_h": 0.0125, "ts_max_time": 2.0, "fsi_output_dt": 0.02, "fsi_shock": 1.0},
     Option("shell_kappa", int, 2, "", "1: around an axis, 2: around a centre", (1, 2)),
-    Option("shell_gas", str, "centre", "", "where gas begins", ("none", "centre")),
+    Option("shell_gas", str, "centre", "", "gas inside", ("none", "around", "centre")),
     Option("shell_charge", float, 50.0, "", "T of the charge / T at rest - 1", check="nonnegative"),
     *materials(fluid_mu=0.0, fluid_kappa=0.0, solid_density=2.0),
     *materials(solid_mu=1.0, solid_lambda=1.5, solid_law=("neo-hookean", "log", "svk")),
@@ -126,23 +126,24 @@ def shell(opt: Opt) -> BlockProblem:
     Hot gas in the middle, of the density of the rest, sends a shock to the shell, which is free of
     stress under the pressure of the gas at rest.
     """
-    gas, filled, width = common.gas_of(opt), opt["shell_gas"] == "centre", 0.2
-    solid = common.elastic_of(opt, 1.0 if filled else 0.0, law=opt["solid_law"])
+    gas, core, width = common.gas_of(opt), CORE if opt["shell_gas"] == "around" else 0.0, 0.2
+    pressure = 0.0 if opt["shell_gas"] == "none" else 1.0
+    solid = common.elastic_of(opt, pressure, law=opt["solid_law"])
 
     def block(name, material, low, high, initial):
         (n,), shape = common.cells_of(opt, high - low), rectangle(low, high)
         return Block(name, material, off_axis(shape, n) if low == 0.0 else shape, (n,), initial)
 
     def charge(r):  # its edge is a fifth of it wide
-        hot = 0.5 * (1.0 - tanh((r - width) / (0.1 * width)))
+        hot = 0.5 * (1.0 - tanh((r - core - width) / (0.1 * width)))
         return 1.0 + 0.0 * r, 0.0 * r, 1.0 + opt["shell_charge"] * hot
 
     blocks = (block("shell", solid, INNER, OUTER, common.at_rest()),)
     faces = {("shell", 0, 0): Free(), ("shell", 0, 1): Free()}
-    if filled:
+    if opt["shell_gas"] != "none":
         around = block("around", gas, OUTER, VESSEL, common.constant(1.0, 0.0, 1.0))
-        blocks = (block("inside", gas, 0.0, INNER, charge), *blocks, around)
-        faces = {("inside", 0, 0): Centre(), ("around", 0, 1): Slip()}
+        blocks = (block("inside", gas, core, INNER, charge), *blocks, around)
+        faces = {("inside", 0, 0): Slip() if core else Centre(), ("around", 0, 1): Slip()}
     return BlockProblem(blocks, faces, units="none", symmetry=opt["shell_kappa"])
 
 
