@@ -51,7 +51,7 @@ LINES = [
     ("rod -fsi_output no/such/x.h5", 4, "no/such: No such file or directory"),
     ("rod -fsi_output /proc/x.h5", 4, "no file can be written in the directory /proc: "),
     ("rod -fsi_output b.h5 -fsi_checkpoint b.h5", 2, "b.h5…that is where the result goes"),
-    ("rod -fsi_checkpoint text.h5", 4, "text.h5: exists and is not a checkpoint of fsipetsc"),
+    ("rod -fsi_checkpoint text.h5", 4, "text.h5: exists, and is no checkpoint of fsipetsc, or"),
     ("rod -fsi_restart rod.h5", 4, "rod.h5: …is not a checkpoint"),
     ("new mine.py", 4, "mine.py: File exists"),
     ("new rod.py", 2, "'rod.py' is no name of a case file"),

@@ -33,6 +33,12 @@ def test_steps_beyond_their_bound_are_noted_at_the_start(tmp_path):
     assert "note: -fsi_cfl 4 is 4 times the bound on the step at t = 0 s" in done.stdout
 
 
+def test_a_run_without_steps_ends_as_others_do(tmp_path):
+    for words in ("-ts_max_steps 0", "-ts_max_time 0", "-ts_max_time 0 -fsi_check"):
+        done = solve("pulse", "-fsi_h", 0.1, *words.split(), cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+
+
 def test_a_failure_within_a_batch_loses_nothing(tmp_path):
     """Neither steps of the series nor of the summary, as if they had been made one by one."""
     line = "rod -fsi_coupling projection -fsi_h 0.025 -ts_max_time 0.5 -ts_dt 3e-4"
@@ -90,7 +96,7 @@ def test_what_went_wrong_is_named_and_what_helps(layers, number, field, rate, sa
 def test_progress_after_a_restart_counts_the_steps_of_the_job():
     """Of which it made 10 in 2 s, a quarter of the run, after another quarter of it."""
     run = {"_speaks": True, "_next_line": 0.0, "_interval": 9.0, "wall_time": 102.0, "bound": ""}
-    run |= {"t": 0.5, "s": " s", "steps": 60, "opt": {"ts_max_time": 1.0}, "_part": 0.5}
+    run |= {"t": 0.5, "s": " s", "steps": 60, "opt": {"ts_max_time": 1.0, "ts_max_steps": 999}}
     Run._say_progress(SimpleNamespace(**run, _job=(0.25, 50, 100.0), line=(said := []).append), 0.1)
     assert said == ["  t = 0.5 of 1 s (50 %), step 60, dt = 0.1 s, 5 steps/s, 4 s left"]
 

@@ -194,7 +194,7 @@ class CheckpointError(FileError):
 
 
 def is_checkpoint(path: Path) -> bool:
-    """Tell whether a file is a checkpoint, of any version."""
+    """Tell whether a file is a checkpoint, and whole."""
     with suppress(FileError), opened(path, {"format": CHECKPOINT["format"]}):
         return True
     return False

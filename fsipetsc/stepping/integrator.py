@@ -184,9 +184,11 @@ class Integrator:
             state.keep()
             try:
                 ts.step()
-            except PETSc.Error as error:
-                clear_frames(error)  # petsc4py loses a TS that somebody else still holds
-                raise
+            except BaseException as error:
+                # what a rate raised: as it is with PETSc up to 3.18, with later ones wrapped
+                cause = (error.__cause__ if isinstance(error, PETSc.Error) else None) or error
+                clear_frames(cause)  # petsc4py loses a TS that somebody else still holds
+                raise cause from None
             state.set_data(float(state.batch[plan.NEXT]))
             state.finish()
             state.planning()

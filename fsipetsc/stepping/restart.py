@@ -86,5 +86,6 @@ def other_checkpoint(path: str, opt: Mapping[str, Any], past: Past | None) -> Pa
     if not there.exists() or (past is not None and there.samefile(past.path)):
         return None
     if not file_layout.is_checkpoint(there):
-        raise FileError(f"{path}: exists and is not a checkpoint of fsipetsc")
+        what = "no checkpoint of fsipetsc, or one that is damaged or of another version"
+        raise FileError(f"{path}: exists, and is {what}: rename it, or remove it")
     return there

@@ -21,7 +21,7 @@ from petsc4py import PETSc
 from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.checks import counted, described, duration
-from fsipetsc.errors import ComputationError, InputError, Interrupted, call, place_of
+from fsipetsc.errors import ComputationError, FileError, InputError, Interrupted, call, place_of
 from fsipetsc.kernels import build
 from fsipetsc.options import OF_A_RUN, read_options
 from fsipetsc.output import file_layout
@@ -129,7 +129,7 @@ class Run(Integrator):
         self.path = restart.checkpoint_name(opt)
         self._told: set[int] = set()  # solids of which it was said that they are beyond their law
         self._speaks = self.comm.rank == 0 and not opt["fsi_quiet"]
-        self._job = self._part, self.steps, self.wall_time  # where this job begins
+        self._job = self.t, self.steps, self.wall_time  # where this job begins
         self._long_steps = long_steps(state, opt, self.t)
         self._interval = OFTEN if opt["fsi_progress"] or sys.stdout.isatty() else USUAL
         self._next_line = time.monotonic() + self._interval
@@ -183,19 +183,19 @@ class Run(Integrator):
         if not self._speaks or now < self._next_line:
             return
         self._next_line = now + self._interval
-        end, (part, steps, wall_time) = self.opt["ts_max_time"], self._job
-        done, took = self._part, self.wall_time - wall_time
+        end, most, (t, steps, wall_time) = (
+            self.opt["ts_max_time"],
+            self.opt["ts_max_steps"],
+            self._job,
+        )
+        done, before = max(self.t / end, self.steps / most), max(t / end, steps / most)
+        took = self.wall_time - wall_time
         bound = f" by {self.bound}" if self.bound else ""
         self.line(
             f"  t = {self.t:.4g} of {end:g}{self.s} ({100 * done:.0f} %), step {self.steps}, "
             f"dt = {dt:.3g}{self.s}{bound}, {(self.steps - steps) / took:.3g} steps/s, "
-            f"{duration(took * (1.0 - done) / (done - part))} left"
+            f"{duration(took * (1.0 - done) / (done - before))} left"
         )
-
-    @property
-    def _part(self) -> float:
-        """Which part of the run is done."""
-        return max(self.t / self.opt["ts_max_time"], self.steps / self.opt["ts_max_steps"])
 
     def open(self) -> RunWriter:
         """Begin the result, or go on with it. Collective; InputError, FileError."""
@@ -278,9 +278,15 @@ class Run(Integrator):
             if isinstance(error, ComputationError):
                 error.args = ("; ".join([str(error), *self._long_steps]),)
         number = self.stop_signal
-        self.writer.flush()
-        summary = self._summary(failure)
-        self.writer.finish(summary, found, join=not number)  # there may be no time to join it
+        try:
+            self.writer.flush()
+            summary = self._summary(failure)
+            self.writer.finish(summary, found, join=not number)  # there may be no time to join it
+        except FileError as error:
+            if failure is None:
+                raise
+            failure.args = (f"{failure}; {error}",)
+            raise failure from None
         where = str(self.writer.path)
         if number:
             where = f"{self.writer.folder} (opened as {self.writer.path.name})"

@@ -3,6 +3,7 @@ observed orders, verdicts; tables and pictures of them.
 """
 
 import csv
+import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
@@ -198,6 +199,7 @@ class Study:
         self, comm: Comm, words: Sequence[str], options: Any, name: str, case: Any = None
     ) -> None:
         self.comm, self.given = comm, start_petsc(words, comm)
+        os.environ.pop("PETSC_OPTIONS", None)  # which is in them; trials have options of their own
         if case is None:
             self.opt = read_table({"": options}, self.given)
         else:
