@@ -82,7 +82,6 @@ class BlockPart(Part):
         self.terms += (add_force,) * self.forced + (supply,) * (self.forcing is not None)
 
     def _forced(self, x: Any, t: Any) -> Any:
-        """The forcing, of numbers or symbols."""
         if isinstance(t, Symbol):
             return numbers_of(self.block.forcing(*x, t), len(self.forcing))
         return block_values(self.block, "forcing", x, t)
@@ -220,7 +219,6 @@ class BlockPart(Part):
         return found
 
     def _record(self, functions: Sequence[Any]) -> None:
-        """Record procedures."""
         self.free, found = in_order(self.inner, self.d), self.about.found
         self.code, self.does = Code(f"#define ROW {self.volume.width}\n"), dict[str, Procedure]()
         takes = {**vars(self), "part": self, "particles": self.about.system.record}

@@ -90,8 +90,8 @@ class BlockState(State):
         found.rates, found.extremes = self.bounds, np.zeros(1 + MONITORED * len(problem.blocks))
         found.time, found.stage = np.zeros(1), np.zeros(2)
         found.pace = max(1.0, shock * PACE_AT_SHOCKS[order])
-        ends = (self.latest_numbers[at.get(name, slice(0))] for name in saved.OF_INTERFACES)
-        found.at_ends = tuple(ends)
+        ends = (at.get(f"{name}_interface", slice(0)) for name in ("x", "u", "sigma", "T"))
+        found.at_ends = tuple(self.latest_numbers[end] for end in ends)
         about = SimpleNamespace(layout=layout, opt=opt, particles=particles, system=self.particles)
         about.found, about.columns = found, {name: where.start for name, where in at.items()}
         kinds = {"fluid": GasPart, "solid": SolidPart}

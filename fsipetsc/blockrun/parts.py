@@ -75,7 +75,6 @@ class GasPart(BlockPart):
         self._record((*moving, images, normals, *OF_GAS, grid.edge, grid.find_places))
 
     def _check_law(self, convection: str, sigma: float) -> None:
-        """InputError if the law of the gas lacks what an option needs."""
         law, owner = self.block.material.gas_law, f"the law of the gas '{self.block.name}'"
         if isinstance(law, CONSERVED):
             return
@@ -110,8 +109,7 @@ class GasPart(BlockPart):
 
     def initial(self, q: Array) -> None:
         """Fill q (M, d + 3) with the case's data, with J = 1."""
-        X = self.X[:, self.owned]
-        rho, *u, T = block_values(self.block, "initial", X, 0.0)
+        rho, *u, T = block_values(self.block, "initial", self.X[:, self.owned], 0.0)
         check_inverses(self.laws.law, rho, T, f"the law of the gas '{self.block.name}'")
         U = self.laws.densities(self.laws.state(rho, tuple(u), T))
         for c, values in enumerate((1.0, *U)):

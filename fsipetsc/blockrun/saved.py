@@ -51,11 +51,6 @@ def gain_of(problem: Any) -> SimpleNamespace:
     return SimpleNamespace(numbers=numbers, impulse=impulse, **found)
 
 
-#: recorded of interfaces in one dimension: position [m], velocity [m/s], sigma [Pa] and
-#: temperature [K] of the solid's end
-OF_INTERFACES = "x_interface", "u_interface", "sigma_interface", "T_interface"
-
-
 def step_record(problem: Any, points: int = 0) -> np.dtype:
     """The columns of a step's record; from the integrals on these are shares of the ranks."""
     d, blocks = problem.dimension, problem.blocks

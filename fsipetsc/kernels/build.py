@@ -155,8 +155,7 @@ def made(texts: Mapping[str, str]) -> dict[str, bytes]:
 def _command() -> list[str]:
     """The C compiler with all flags, those of CFLAGS last. InputError."""
     given, own = (_words(name) for name in ("CC", "CFLAGS"))
-    paths = map(shutil.which, given[:1] or ("cc", "gcc", "clang"))
-    path = next(filter(None, paths), None)
+    path = next(filter(None, map(shutil.which, given[:1] or ("cc", "gcc", "clang"))), None)
     if path is None and given:
         raise InputError(f"CC is {shlex.join(given)!r}: no such program was found")
     if path is None and find_spec("ziglang") is None:

@@ -81,8 +81,7 @@ class Kernel:
 
     def _places(self, array: str, layout: str, count: int, first: int) -> list[str]:
         self._declare(layout.replace("{c}", "").replace("{i}", ""))
-        every = range(first, first + count)
-        return [f"{array}[{layout.format(c=c, i='i')}]" for c in every]
+        return [f"{array}[{layout.format(c=first + c, i='i')}]" for c in range(count)]
 
     def _declare(self, text: str) -> None:
         """Take the whole numbers that a text in C names as arguments."""
@@ -104,7 +103,6 @@ class Kernel:
 
     @cached_property
     def text(self) -> str:
-        """The function in C."""
         record, values = self.record, [symbol for _, symbol in self._stores]
         if not record.exact:
             record, values = without_halves(values)
@@ -115,18 +113,10 @@ class Kernel:
         loop = Line(f'ITEMS("omp simd{" reduction(+ : counted)" * counts}",')
         before += [Line(f"const long {name} = {text};") for text, name in self._offsets.items()]
         items = [*before, loop, *within, *stores, Line(")")]
-        given = (f"{kind}{name}" for name, kind in sorted(self._arguments.items()))
-        return "\n".join(
-            [
-                f"/* {self.says} */",
-                f"static NOINLINE long {self.name}(",
-                "    " + ",\n    ".join(given) + ") {",
-                "  long counted = 0;",
-                *printed(items),
-                "  return counted;",
-                "}\n",
-            ]
-        )
+        given = ",\n    ".join(f"{kind}{name}" for name, kind in sorted(self._arguments.items()))
+        head = f"/* {self.says} */", f"static NOINLINE long {self.name}(", f"    {given}) {{"
+        lines = *head, "  long counted = 0;", *printed(items), "  return counted;", "}\n"
+        return "\n".join(lines)
 
 
 def _replaced(equations: Any, of: Callable[[float], Any]) -> Any:

@@ -156,12 +156,10 @@ class Array:
 
     @property
     def size(self) -> Any:
-        """How many numbers the array has."""
         return prod(self.shape)
 
     @property
     def T(self) -> "Array":
-        """The transpose."""
         return Array(self._base, self.shape[::-1], self._at, self._steps[::-1])
 
     def reshape(self, *shape: Any) -> "Array":

@@ -43,13 +43,11 @@ class Called:
     vectors: Sequence[str] = ()
 
     def load(self, library: ctypes.CDLL) -> None:
-        """Take the compiled function."""
         self._function = getattr(library, self.name)
         self._function.argtypes = _POINTER, _POINTER, _POINTER
         self.address = ctypes.cast(self._function, _POINTER).value
 
     def __call__(self, *vectors: np.ndarray) -> None:
-        """Run the function in C."""
         self._function(self.structure, *_pointers(vectors))
 
 
@@ -107,18 +105,11 @@ class Procedure(Called):
     def _text(self, says: str, record: Recording) -> str:
         kinds = {name: _kind(value) for name, value in self._values.items()}
         y, f = (*self.vectors, "unused", "unused_too")[:2]
-        return "\n".join(
-            [
-                f"/* {says.strip().partition(chr(10))[0]} */",
-                f"struct {self.name}_in {{",
-                *(f"  {kind} {name};" for name, kind in kinds.items()),
-                "};",
-                f"void {self.name}(const struct {self.name}_in *s, double *{y}, double *{f}) {{",
-                *(f"  {kind} const {name} = s->{name};" for name, kind in kinds.items()),
-                *printed(record.items),
-                "}\n",
-            ]
-        )
+        struct = (f"  {kind} {name};" for name, kind in kinds.items())
+        taken = (f"  {kind} const {name} = s->{name};" for name, kind in kinds.items())
+        head = f"/* {says.strip().partition(chr(10))[0]} */", f"struct {self.name}_in {{"
+        of = f"void {self.name}(const struct {self.name}_in *s, double *{y}, double *{f}) {{"
+        return "\n".join([*head, *struct, "};", of, *taken, *printed(record.items), "}\n"])
 
     def load(self, library: ctypes.CDLL) -> None:
         """Take the compiled function, and fill the struct with what the records have."""
@@ -131,7 +122,6 @@ class Procedure(Called):
 
 
 def _kind(value: Any) -> str:
-    """The type of a value in C."""
     if isinstance(value, np.ndarray):
         return "long *" if value.dtype.kind == "i" else "double *"
     return "double" if isinstance(value, float) else "long"
@@ -165,7 +155,6 @@ class Code:
         self._text, self.procedures = text, list[Procedure]()
 
     def procedure(self, name: str, function: Callable[..., None], *records: Any) -> Procedure:
-        """Record a function of these records."""
         self.procedures.append(found := Procedure(name, function, *records))
         return found
 
@@ -175,7 +164,6 @@ class Code:
         return unit(self._text, *kernels, *(one.text for one in self.procedures))
 
     def load(self, library: ctypes.CDLL) -> None:
-        """Take the functions from the compiled text."""
         self.library = library
         for procedure in self.procedures:
             procedure.load(library)

@@ -211,8 +211,7 @@ def _agree(what: str, found: Any, wanted: Any, least: Any = 0.0) -> None:
 
 
 def _symbols(count: int) -> tuple[Any, ...]:
-    record = Record()
-    return tuple(record.given(f"x{k}") for k in range(count))
+    return tuple(map(Record().given, (f"x{k}" for k in range(count))))
 
 
 def _check(what: str, formula: Formula, given: Sequence[Any], returns: Formula) -> None:

@@ -30,8 +30,6 @@ Differential Equations (1974), 195-212 (existence, norms); B. Strand, J. Comput.
 47-67 (the operators and their free parameters).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -186,7 +184,7 @@ class Band(NamedTuple):
         """K, the largest distance between two nodes of a pair."""
         return len(self.S) - 1
 
-    def part(self, begin: int, end: int) -> Band:
+    def part(self, begin: int, end: int) -> "Band":
         """That of the nodes begin … end - 1, which may lie beyond the ends of a periodic axis."""
         chosen = np.arange(begin, end) % len(self.weight)
         return Band(np.ascontiguousarray(self.S[:, chosen]), self.weight[chosen])
@@ -207,7 +205,6 @@ def band(order: int, cells: int, periodic: bool = False) -> Band:
         S[1:] = 2.0 * np.array(op.interior, float)[:, None]
         return Band(S, np.full(cells, h))
     n = cells + 1
-    weight = h * op.norm_weights(n)
     S = np.zeros((op.reach + 1, n))
     for k, c in enumerate(op.interior, start=1):
         S[k, op.rows : n - op.rows - k] = 2.0 * float(c)
@@ -215,7 +212,7 @@ def band(order: int, cells: int, periodic: bool = False) -> Band:
         for j in range(i + 1, len(row)):
             if row[j]:  # as fractions, so that the other end is the mirror image to the last bit
                 S[j - i, i] = S[j - i, n - 1 - j] = float(2 * op.norm[i] * row[j])
-    return Band(S, weight)
+    return Band(S, h * op.norm_weights(n))
 
 
 def centred_band(order: int, cells: int, kappa: int) -> Band:

@@ -13,8 +13,6 @@ and one memory, so that one message has what a rank needs of all blocks from ano
 know from the shares which nodes each of them needs.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import accumulate
 from math import prod
@@ -174,8 +172,7 @@ class BlockLayout:
         planes = np.arange(self.dofs[k])[:, None]
 
         def here(nodes: Numbers) -> Numbers:
-            among = np.searchsorted(numbers, nodes)
-            return (begin + planes * numbers.size + among).ravel()
+            return (begin + planes * numbers.size + np.searchsorted(numbers, nodes)).ravel()
 
         def there(places: Numbers) -> Numbers:
             return (at + planes * N + places).ravel()
@@ -199,18 +196,12 @@ class BlockLayout:
         local = memory[: dof * prod(patch.ghosted)].reshape(dof, -1)
         images = ghosted[axes[-1]][0] < 0 and self.problem.centred(k)
         odd = (axes[-1], axes[-1] + block.dimension) if block.kind == "solid" else dof - 2
-        return Part(
-            k=k,
-            patch=patch,
-            ghosted=ghosted[: block.dimension],
-            bands=(*bands, *[NO_AXIS] * (AXES - len(bands))),
-            dof=dof,
-            begin=self._begins[k],
-            numbers=share.nodes(rank),
-            halo=local if own != ghosted else local[:, :0].copy(),
-            inside=inside,
-            signs=np.where(np.isin(np.arange(dof), odd), -1.0, 1.0)[: dof * images],
-        )
+        part = Part(k=k, patch=patch, dof=dof, begin=self._begins[k], inside=inside)
+        part.ghosted, part.numbers = ghosted[: block.dimension], share.nodes(rank)
+        part.bands = (*bands, *[NO_AXIS] * (AXES - len(bands)))
+        part.halo = local if own != ghosted else local[:, :0].copy()
+        part.signs = np.where(np.isin(np.arange(dof), odd), -1.0, 1.0)[: dof * images]
+        return part
 
     def owned(self, k: int, array: Array) -> Array:
         """View, (M, dof), of block k in this rank's part of a world vector; M may be 0."""

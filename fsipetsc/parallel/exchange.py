@@ -123,8 +123,7 @@ class Reduction(Called):
 
 def _of_mpi(name: str) -> int:
     """The address of a function of the library that mpi4py has loaded."""
-    function = getattr(ctypes.CDLL(MPI.__file__), name)
-    return ctypes.cast(function, ctypes.c_void_p).value or 0
+    return ctypes.cast(getattr(ctypes.CDLL(MPI.__file__), name), ctypes.c_void_p).value or 0
 
 
 def _runs(of: Numbers, to: Numbers) -> Numbers:

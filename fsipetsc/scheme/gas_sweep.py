@@ -120,7 +120,6 @@ class GasSweep(Sweep):
                 self.pairs(axis, (x, y, z), to, s * beside, self.weight[0][x:], n)
 
     def along(self, x, n, y, z):
-        """Add the pairs along a row."""
         of_row = self.weight[1][y] * self.weight[2][z]
         for m in each(self.spans.shape[0]):
             k = self.spans[m, 0]
@@ -151,7 +150,6 @@ class GasSweep(Sweep):
                 kernels.far_pairs(n, **given)
 
     def close(self, x, n, y, z):
-        """Find the rates of a row from its sums, and store them."""
         of_row = 1.0 / (self.weight[1][y] * self.weight[2][z])
         given = {"low": self.low[0, x - self.x0 + self.margin :], "of_row": of_row}
         given["supplied"] = self.supplied[self.own_at(x, y, z) :]

@@ -94,7 +94,6 @@ def add_force(part, q, ghosted, rates, gain):
     d, supplied, b = len(part.like), part.volume.supplied, part.laws.force
 
     def pushed(i):
-        """Force and power at a node, per volume of the reference coordinates."""
         if part.form.raises:
             *force, power = row((*b, 0.0), supplied, i)
             for c in range(d):
@@ -155,7 +154,6 @@ def supply(part, q, ghosted, rates, gain):
     like = (*part.like, 0.0, 0.0)
 
     def supplied(i):
-        """What a node gets per volume."""
         more = scale(q[i, 0], column(like, part.forcing, i))
         rates[i, 1:] = add(row(like, rates, i, 1), more)
         return more

@@ -54,7 +54,6 @@ def observe(part, found, see):
     columns, names = part.columns, vars(part.columns)
 
     def weighed(c, at):
-        """What counts of a node."""
         own, mass = at[1] + c, part.masses[at[1] + c]
         extremes, x, p, more = see(own, at[0] + c)
         densities = {**along_axes("momentum", p), **moment(x, p), **more}

@@ -38,8 +38,7 @@ class Observable(NamedTuple):
     def names(self, d: int) -> list[str]:
         """The names of the series in d dimensions."""
         axes = zip(PLACES[:d], VELOCITIES[:d], strict=True)
-        found = (self.name.replace("*", x).replace("@", u) for x, u in axes)
-        return list(dict.fromkeys(found))
+        return list(dict.fromkeys(self.name.replace("*", x).replace("@", u) for x, u in axes))
 
 
 STEP, EXTREME, INTEGRAL, PLACE, GAIN = "step", "extreme", "integral", "place", "gain"

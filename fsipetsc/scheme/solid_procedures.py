@@ -42,7 +42,6 @@ def supply(part, q, ghosted, rates, gain):
     forcing, d = part.forcing, len(part.like)
 
     def supplied(i):
-        """The force on a node, and the heat and power that it gets, per mass."""
         push, heat = column(part.like, forcing, i), part.laws.alpha * forcing[d, i]
         for c in range(d):
             heat = heat + q[i, d + c] * push[c]
@@ -127,7 +126,6 @@ def prestress_energy(part, F, node):
 
 
 def temperature(part, v, e, F, node):
-    """The temperature of a node."""
     stored = 0.0 if part.laws.coupled else prestress_energy(part, F, node)
     return part.laws.temperature(v, e - stored, F)
 

@@ -61,7 +61,6 @@ class SolidSweep(Sweep):
         self.take(self.to_strains, ((self.load, 0, 0), (partial(self.run, kernels), own, own)))
 
     def find_rates(self, x, n, y, z):
-        """Find the rates of a row, and store them."""
         self.run(self.kernels.rates, x, n, y, z)
         self.store(x, n, y, z)
 
@@ -150,8 +149,7 @@ def _conduct(solid, d, near):
     D_T = _slopes(kernel, near, "temperatures", (0,) * d, 1)
     gradient = scale(1.0 / J0, apply(transpose(A), D_T))
     F = kernel.read("strains", ROWS, len(solid.unstrained((0.0,) * d)))
-    h = solid.heat_flux(F, gradient)
-    kernel.store("heats", ROWS, apply(A, h))
+    kernel.store("heats", ROWS, apply(A, solid.heat_flux(F, gradient)))
     return kernel
 
 
