@@ -183,11 +183,8 @@ class Run(Integrator):
         if not self._speaks or now < self._next_line:
             return
         self._next_line = now + self._interval
-        end, most, (t, steps, wall_time) = (
-            self.opt["ts_max_time"],
-            self.opt["ts_max_steps"],
-            self._job,
-        )
+        end, most = self.opt["ts_max_time"], self.opt["ts_max_steps"]
+        t, steps, wall_time = self._job
         done, before = max(self.t / end, self.steps / most), max(t / end, steps / most)
         took = self.wall_time - wall_time
         bound = f" by {self.bound}" if self.bound else ""
