@@ -85,7 +85,7 @@ def call(function: Callable[..., Any], arguments: tuple[Any, ...], where: str) -
     except (KeyboardInterrupt, MemoryError):
         raise
     except BaseException as error:  # SystemExit of one rank would leave the others waiting
-        of_package = getattr(function, "__module__", "").startswith("fsipetsc.")
+        of_package = (getattr(function, "__module__", None) or "").startswith("fsipetsc.")
         if isinstance(error, FsiError) and of_package:
             raise  # it is about an option, or explained already
         place = place_in(error) or place_of(function)

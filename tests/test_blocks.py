@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from block_ledgers import conditions_of
 
-from fsipetsc import Block, Fluid, InputError
+from fsipetsc import Block, Fluid, InputError, Open
 from fsipetsc.blocks import maps
 from fsipetsc.blocks.block_problem import BlockFace, BlockProblem
 from fsipetsc.blocks.conditions import Free, Hinge, NoSlip, Slip
@@ -171,6 +171,10 @@ WRONG = {
     r"'a', face \(axis 0, side 1\), about .* = \(1, 0.5\)": lambda: BlockProblem(
         [square()], walls("a", but=[("a", 0, 1)])
     ),
+    "Open is no condition of a fluid": lambda: BlockProblem(
+        [square()], {("a", 0, 0): Open(0, 1, 1)}
+    ),
+    "type is no condition of a fluid": lambda: BlockProblem([square()], {("a", 0, 0): Slip}),
     "meets it: expected one, or a face with the same 9 nodes": lambda: two(square("b", map=curved)),
     r"not smooth along axis 0, at .* = \(0.29": lambda: square(
         map=lambda xi: (xi[0] + 0.2 * abs(xi[0] - 0.3), xi[1])

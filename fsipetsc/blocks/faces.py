@@ -37,7 +37,8 @@ class BlockFace:
         self.condition, self.nodes = condition, owner.face_nodes(axis, side)
         self.X = owner.face_positions(axis, side).T
         vectors = (getattr(condition, name, None) for name in VECTORS)
-        if condition is not None and owner.kind not in getattr(condition, "of", ()):
+        stands = isinstance(condition, Condition) and owner.kind in condition.of
+        if condition is not None and not stands:
             wrong = f"{type(condition).__name__} is no condition of a {owner.kind}"
             raise InputError(f"{self}: {wrong}")
         if {len(v) for v in vectors if isinstance(v, tuple)} - {owner.dimension}:
@@ -88,8 +89,11 @@ def meet(
     is_map = isinstance(named, Mapping)
     unknown = [name for name in named if name not in every] if is_map else [named]
     if unknown:
-        wanted = f"expected {{(block name, axis, side): condition, …}}, of {[*every]}"
-        raise InputError(f"BlockProblem: faces: there is no {described(unknown[0])}: {wanted}")
+        name = unknown[0]
+        own = [of for of in every if isinstance(name, tuple) and of[:1] == name[:1]]
+        known = own or [block.name for block in blocks]
+        wanted = f"expected {{(block name, axis, side): condition, …}}, of {known}"
+        raise InputError(f"BlockProblem: faces: there is no {described(name)}: {wanted}")
     faces = [BlockFace(*of, named.get(name)) for name, of in every.items()]
     periodic = [face for face in faces if isinstance(face.condition, Periodic)]
     shifted = (face.X + face.condition.shift for face in periodic)
@@ -111,10 +115,8 @@ def meet(
         kinds[face.block][face.axis, face.side] = face.met_by(others)
     nodes = np.concatenate([np.zeros(0, int), *(face.nodes for face in faces)])
     owners = np.repeat([face.block for face in faces], [face.nodes.size for face in faces])
-    smallest, labels = (
-        united(len(places), [(face.labels, face.wanted) for face in periodic]),
-        labels[: nodes.size],
-    )
+    smallest = united(len(places), [(face.labels, face.wanted) for face in periodic])
+    labels = labels[: nodes.size]
     known = list[tuple[Array, Array]]()
     for own in (owners == k for k in range(len(blocks))):
         numbers, first = np.unique(nodes[own], return_index=True)
