@@ -129,9 +129,7 @@ def names_of(kind: str, what: str, d: int) -> tuple[str, ...]:
 
 
 def block_values(block: Any, what: str, X: Array, t: float) -> list[Array]:
-    """What a function of a block returns at X (d, n) and t [s], (n,) each; rho, T above 0.
-    InputError, perhaps on this rank alone.
-    """
+    """A block's function at X (d, n) and t [s], (n,) each. InputError, maybe on this rank alone."""
     first = what in ("initial", "prestress")
     where = f"{what} of {block}" + ("" if first else f" at t = {t:.6g}")
     names = getattr(block, "unknowns", None) or names_of(block.kind, what, len(X))
@@ -141,9 +139,7 @@ def block_values(block: Any, what: str, X: Array, t: float) -> list[Array]:
     return checked(function, arguments, X, names, where, what != "forcing")
 
 
-def datum(
-    condition: Any, name: str, X: Array, t: float, names: Sequence[str] | None = None
-) -> Array:
+def datum(condition: Any, name: str, X: Array, t: float, names: Any = None) -> Array:
     """A datum of a condition at X (n, d): (n,), or (n, len(names)) of several. InputError."""
     of = getattr(condition, name)
     if not callable(of):
@@ -152,8 +148,7 @@ def datum(
     where = f"{name} of {owner} at t = {t:.6g}"
     if names is not None:
         return np.stack(checked(of, (*X.T, t), X.T, names, where), axis=-1)
-    alone = wraps(of)(lambda *at: (of(*at),))
-    return checked(alone, (*X.T, t), X.T, (name,), where)[0]
+    return checked(wraps(of)(lambda *at: (of(*at),)), (*X.T, t), X.T, (name,), where)[0]
 
 
 def checked(

@@ -65,12 +65,11 @@ class Option:
         object.__setattr__(self, "kind", getattr(self.kind, "__name__", self.kind))
         object.__setattr__(self, "unit", "" if self.unit == "-" else self.unit)
         object.__setattr__(self, "check", _BOUNDS.get(self.check, self.check))
+        said = f"option {self.name!r}: expected a"
         if self.kind not in _KINDS:
-            raise TypeError(f"option {self.name!r}: expected a kind of {', '.join(_KINDS)}")
+            raise TypeError(f"{said} kind of {', '.join(_KINDS)}")
         if isinstance(self.check, str) and not self.check.startswith(("above ", "not below ")):
-            raise TypeError(
-                f"option {self.name!r}: expected a check of {', '.join(_BOUNDS)}, above 1 …"
-            )
+            raise TypeError(f"{said} check of {', '.join(_BOUNDS)}, above 1 …")
 
     def parse(self, text: str) -> Any:
         if text == "" and self.kind != "bool":
@@ -336,11 +335,9 @@ def read_options(
     return values
 
 
-def read_table(
-    sections: Mapping[str, Sequence[Option]], given: Mapping[str, str]
-) -> dict[str, Any]:
+def read_table(tables: Mapping[str, Sequence[Option]], given: Mapping[str, str]) -> dict[str, Any]:
     """Return name -> typed value of options of ``groups``. InputError."""
-    options = {option.name.lower(): option for found in sections.values() for option in found}
+    options = {option.name.lower(): option for found in tables.values() for option in found}
     if unknown := sorted(given.keys() - options.keys() - PASSED_ON.keys()):
         known = [*(option.name for option in options.values()), *PASSED_ON]
         listed = ", ".join(f"-{name}{_nearest(name, known)}" for name in unknown)

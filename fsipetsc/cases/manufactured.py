@@ -289,8 +289,7 @@ def body_mms(opt: Opt) -> BlockProblem:
     The disk of five blocks is in a square box of gas of four. All unknowns are given on the outer
     walls, which move, too. -fsi_h is over the side of each block.
     """
-    exact = Disk(opt)
-    n = round(1.0 / opt["fsi_h"])
+    exact, n = Disk(opt), round(1.0 / opt["fsi_h"])
     walls = {"x": lambda *at: exact.grid(*at)[:2], "velocity": lambda *at: exact.grid(*at)[2:]}
     solid = exact.body, exact.exact_solid, exact.force_solid, exact.exact_solid
     gas = exact.fluid, exact.exact_gas, exact.force_gas, exact.exact_gas

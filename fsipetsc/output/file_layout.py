@@ -53,8 +53,7 @@ CHECKPOINT = {"format": "fsipetsc checkpoint", "version": 12}
 NAMES = "names"  # attribute of the group of series: their names
 LIBVER = ("v110", "v110")
 _XDMF = b'<Xdmf Version="2.0"><!-- a result of fsipetsc -->'
-#: what ours begin with, also those of before 1.0
-_XDMF_OF_OURS = _XDMF, b'<Xdmf Version="2.0"><Domain><Grid Name="'
+_XDMF_OF_OURS = _XDMF, b'<Xdmf Version="2.0"><Domain><Grid Name="'  # the second: before 1.0
 
 
 @contextmanager
@@ -102,9 +101,7 @@ def open_h5(path: str | os.PathLike[str], mode: str = "r") -> h5py.File:
 
 @contextmanager
 def opened(path: Path, kind: Mapping[str, Any]) -> Iterator[tuple[h5py.File, dict[str, Any]]]:
-    """Open a file of this kind, and read what it says about itself. Any error while it is read
-    becomes a FileError.
-    """
+    """Open a file of this kind, and read what it says about itself; any error is a FileError."""
     called = short(path)
     if not path.is_file():  # a pipe would wait for a writer
         what = "is no regular file" if path.exists() else "there is no such file"
@@ -112,11 +109,9 @@ def opened(path: Path, kind: Mapping[str, Any]) -> Iterator[tuple[h5py.File, dic
     with damage(called), open_h5(path) as file:
         about = json.loads(file["about"][()] if "about" in file else "{}")
         if not kind.items() <= about.items():
-            said = (
-                f"is not a {kind['format'].split()[-1]} of fsipetsc in format {kind.get('version')}"
-            )
             own = about.get("version", "unknown")
-            raise FileError(f"{called}: {said}; its own format is {own}")
+            what = f"{kind['format'].split()[-1]} of fsipetsc in format {kind.get('version')}"
+            raise FileError(f"{called}: is not a {what}; its own format is {own}")
         yield file, about
 
 
@@ -193,13 +188,6 @@ class CheckpointError(FileError):
     """A checkpoint could not be written; the result may well be."""
 
 
-def is_checkpoint(path: Path) -> bool:
-    """Tell whether a file is a checkpoint, and whole."""
-    with suppress(FileError), opened(path, {"format": CHECKPOINT["format"]}):
-        return True
-    return False
-
-
 def _sum(text: bytes, arrays: Mapping[str, Array]) -> bytes:
     """Return the checksum of what a checkpoint holds."""
     found = hashlib.sha256(text)
@@ -218,9 +206,7 @@ def read_checkpoint(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[
         return about["header"], arrays
 
 
-def write_checkpoint(
-    path: str | os.PathLike[str], header: Mapping[str, Any], arrays: Mapping[str, Any]
-) -> None:
+def write_checkpoint(path: str | Path, header: dict[str, Any], arrays: Mapping[str, Any]) -> None:
     """Make this the checkpoint of a name. CheckpointError: then what was there is unchanged."""
     target = Path(os.path.realpath(path))
     text = json.dumps({**CHECKPOINT, "header": header, "arrays": [*arrays]}).encode()
@@ -234,9 +220,7 @@ def write_checkpoint(
 
 
 def write_xdmf(run: Any) -> None:
-    """Write NAME.xdmf beside a finished result (Run). FileError if another file has the name;
-    OSError.
-    """
+    """Write NAME.xdmf beside a finished result (Run). OSError; FileError over another file."""
     target = beside(run.path, ".xdmf")
     if target.exists() and not target.read_bytes().startswith(_XDMF_OF_OURS):
         raise FileError(f"{target}: is no XDMF of a result, and is left; {run.path} is complete")

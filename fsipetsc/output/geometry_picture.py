@@ -1,6 +1,4 @@
-"""What a case is made of, as a table and a picture: blocks, their nodes and spacing, what stands at
-their faces.
-"""
+"""What a case is made of, as a table and a picture: blocks, nodes, spacing, what is at faces."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -95,9 +93,7 @@ def draw_geometry(problem: BlockProblem, name: str, about: str) -> Path:
 
 
 def _lines(X: Array, most: int = 1) -> Iterator[Array]:
-    """Yield lines (n, d) of nodes along each axis of a grid: about so many of each axis, or with 1
-    those at its edges.
-    """
+    """Yield lines (n, d) of nodes along each axis: about so many of each, with 1 the edges."""
     for axis in range(X.ndim - 1):
         rows = np.moveaxis(X, axis, -2)
         some = [slice(None, None, -(-(n - 1) // most)) for n in rows.shape[:-2]]

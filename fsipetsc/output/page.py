@@ -51,9 +51,7 @@ Drawing = tuple[float, Callable[[Figure], None]]
 
 
 def plot(path: str, given: Mapping[str, str]) -> str:
-    """Do what the options ask for (fsipetsc.cli); the files that have been written, a line each.
-    FileError; InputError for options that cannot be followed.
-    """
+    """Do what the options ask for; return the files written, a line each. FileError, InputError."""
     from matplotlib import rc_context
     from matplotlib.animation import FFMpegWriter
 
@@ -68,8 +66,7 @@ def plot(path: str, given: Mapping[str, str]) -> str:
     every, film = "-all" in given, "-animate" in given
     endings = () if every else FILMS if film else PICTURES
     if where.suffix in {*PICTURES, *FILMS} - {*endings}:
-        expected = " or ".join(["a directory", *endings])
-        raise InputError(f"plot: -o {where}: expected {expected}")
+        raise InputError(f"plot: -o {where}: expected {' or '.join(['a directory', *endings])}")
     with open_run(path) as run, rc_context(drawing.STYLE), np.errstate(all="ignore"):
         for name, one in pictures(run, wanted).items() if every else ():
             done.append(drawing.save(drawn(run, name, [one]), where / f"{stem}-{name}.png"))
@@ -84,9 +81,7 @@ def plot(path: str, given: Mapping[str, str]) -> str:
 
 
 def report(path: str, given: Mapping[str, str]) -> Path:
-    """Write NAME.html, a page with all pictures and what `info` prints, in the folder of -o if it
-    is given; its path. FileError.
-    """
+    """Write NAME.html, with all pictures and what `info` prints, in the folder of -o. FileError."""
     from matplotlib import rc_context
 
     target, shown = Path(given.get("-o", os.curdir)) / f"{Path(path).stem}.html", []
@@ -197,9 +192,7 @@ def _draw_curves(figure: Figure, run: Run, panels: list[Panel], columns: int) ->
             t = panel.t
             if panel.logarithmic:
                 t, values = envelope(t, np.abs(values))
-                values = np.where(
-                    values > 0, values, np.nan
-                )  # else matplotlib warns of zeros alone
+                values = np.where(values > 0, values, np.nan)  # else matplotlib warns of zeros
             axes.plot(t, values, label=name)
         if panel.logarithmic:
             axes.set_yscale("log")
@@ -224,9 +217,7 @@ def envelope(t: Array, values: Array, parts: int = 300) -> tuple[Array, Array]:
 
 
 def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
-    """Draw a result as a film, all frames with the same scales, into a file that ends with .gif or
-    .mp4, which is returned. FileError, InputError.
-    """
+    """Draw a film, .gif or .mp4, all frames with the same scales; return it. FileError."""
     from matplotlib.animation import FuncAnimation
     from matplotlib.figure import Figure
 

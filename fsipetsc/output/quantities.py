@@ -44,8 +44,7 @@ def unit_of(name: str, run: Run | None = None) -> str:
         return unit and "1"
     if run is not None and one and one.kind in (INTEGRAL, GAIN):
         # around an axis integrals are per length, around a centre per nothing
-        space = run.dimension + int(run.header.get("symmetry", 0))
-        unit += {1: " m-2", 2: " m-1", 3: ""}[space]
+        unit += {1: " m-2", 2: " m-1", 3: ""}[run.dimension + int(run.header.get("symmetry", 0))]
     return unit
 
 
@@ -77,9 +76,7 @@ def there(run: Run) -> dict[str, dict[str, str]]:
 
 
 def chosen(run: Run, names: Sequence[str]) -> list[str]:
-    """Return these names of what can be drawn, or what a page shows of it if none are given.
-    InputError.
-    """
+    """Return these names of what can be drawn; if there are none, those of a page. InputError."""
     known = there(run)
     if missing := [name for name in names if name not in known]:
         raise InputError(f"-fields {missing[0]}: expected some of {', '.join(known)}")

@@ -275,9 +275,7 @@ class InterfaceLine:
     def __init__(self, run: Run, name: str, solid: int, axis: int, side: int) -> None:
         self.name, self.solid, layer = name, solid, run.layers[solid]
         self.X, self.Y = X, Y = layer.places.take(-side, -2 - axis).T
-        self.x, self.y, self.u, self.v, self.T = (
-            layer[name].take(-side, axis=-1 - axis) for name in ("x", "y", *"uvT")
-        )
+        self.x, self.y, self.u, self.v, self.T = (layer[k].take(-side, -1 - axis) for k in "xyuvT")
         self.s = s = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(X), np.diff(Y)))])
         self.displacement = self.y - Y
         if np.ptp(Y) > 1e-12 * s[-1] or X[-1] <= X[0]:

@@ -16,7 +16,6 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
-from itertools import count
 from pathlib import Path
 from typing import IO, Any, TypeVar
 from uuid import uuid4
@@ -102,9 +101,7 @@ class RunWriter:
         self.flush(now=len(self._frames) >= self._capacity)
 
     def flush(self, now: bool = True) -> None:
-        """Take the steps that have been made; write all that is held in memory, now or if it is
-        time. Collective.
-        """
+        """Take the steps made; write all that is held in memory, now or when due. Collective."""
         begun, rows = time.monotonic(), self._take_series()
         if self._root and len(rows):
             self._new_rows.append(rows.copy())
@@ -113,8 +110,7 @@ class RunWriter:
             self._piece()
             done = time.monotonic()
             # writing takes at most 2 % of the time, and a long run has some hundred pieces at most
-            least = max(SECONDS, 50 * (done - begun), 0.01 * (done - self._begun))
-            self._next_flush = done + least
+            self._next_flush = done + max(SECONDS, 50 * (done - begun), 0.01 * (done - self._begun))
 
     def finish(self, summary: Mapping[str, Any], errors: Any, join: bool) -> None:
         """Write the rest, the summary and the errors of the solution, None if they are not known;
@@ -209,9 +205,7 @@ class RunWriter:
             if hasattr(os, "posix_fallocate"):
                 os.posix_fallocate(file.fileno(), len(image), room + _SPARE)
 
-    def _begin(
-        self, after: tuple[str, int, int, float] | None, checkpoint: Path | None
-    ) -> tuple[int, int]:
+    def _begin(self, after: Any, checkpoint: Path | None) -> tuple[int, int]:
         """Make the folder. Its first piece is what is kept; all else of this name gets a new name.
         Return how many frames and rows are kept.
         """
@@ -302,14 +296,10 @@ def clear(folder: Path) -> None:
 
 
 def set_aside(file: Path) -> Path:
-    """Give NAME.h5, or the pieces NAME.parts, the first number that no result has, as NAME.1.h5.
-    Return the new name. OSError.
-    """
+    """Rename NAME.h5, or NAME.parts, with a free number, as NAME.1.h5; return that. OSError."""
     ending = file.suffix * (file.suffix in (".h5", ".parts"))
     stem = str(file).removesuffix(ending)
-    number = next(
-        k
-        for k in count(1)
-        if not any(os.path.lexists(f"{stem}.{k}{end}") for end in (ending, ".h5", ".parts"))
-    )
+    endings, number = (ending, ".h5", ".parts"), 1
+    while any(os.path.lexists(f"{stem}.{number}{of}") for of in endings):
+        number += 1
     return file.rename(f"{stem}.{number}{ending}")

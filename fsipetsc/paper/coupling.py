@@ -145,15 +145,13 @@ def temperatures(of):
     d_f, d_s = d * beta[0], -d * beta[0]
     k_s = solid.kappa_e / gradients(of)[3]
     for _ in each(REFINEMENTS):
-        used = gas.conductivity(T_f.value)
-        both = (jump_flux - k_s * (rest_s + d_s * jump_T) + used * rest_f) / (
-            k_s * d_s - used * d_f
-        )
-        in_gas, in_solid = (-jump_flux / used - rest_f) / d_f, (jump_flux / k_s - rest_s) / d_s
-        in_gas = np.where(used > 0.0, np.where(k_s > 0.0, both, in_gas), T_f.value)  # it conducts
-        in_solid = np.where(k_s > 0.0, np.where(used > 0.0, both + jump_T, in_solid), T_s.value)
+        k_f = gas.conductivity(T_f.value)
+        both = (jump_flux - k_s * (rest_s + d_s * jump_T) + k_f * rest_f) / (k_s * d_s - k_f * d_f)
+        in_gas, in_solid = (-jump_flux / k_f - rest_f) / d_f, (jump_flux / k_s - rest_s) / d_s
+        in_gas = np.where(k_f > 0.0, np.where(k_s > 0.0, both, in_gas), T_f.value)  # it conducts
+        in_solid = np.where(k_s > 0.0, np.where(k_f > 0.0, both + jump_T, in_solid), T_s.value)
         T_f.value, T_s.value = in_gas, in_solid
-        stop(~(np.absolute(gas.conductivity(in_gas) - used) > AGREED * used))
+        stop(~(np.absolute(gas.conductivity(in_gas) - k_f) > AGREED * k_f))
     return T_f.value, T_s.value
 
 

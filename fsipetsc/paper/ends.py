@@ -190,8 +190,7 @@ class OpenEnd(GasEnd):
         mu, kappa, tau = gas.viscosity(T0), gas.conductivity(T0), T0 * by_heat / (rho * rho * c2)
         alpha = kappa * law.bulk_modulus(rho, T0) / (cv * rho * rho * c2)
         longest = LONGEST * c * self.layer.h * number(self.layer.cells)
-        faded = 1.0 - np.maximum(mu, kappa / cv) / (rho * longest)
-        part = self.data[3] * np.maximum(0.0, faded)
+        part = self.data[3] * np.maximum(0.0, 1.0 - np.maximum(mu, kappa / cv) / (rho * longest))
         return rho, c, tau, alpha, by_heat, 0.5 * (mu - tau * by_heat * kappa), kappa, part
 
     def carried(self, a, alpha, part):

@@ -135,9 +135,7 @@ class Layer(SimpleNamespace):
 
     @np.errstate(all="ignore")
     def saved(self) -> Array:
-        """(points, 5): of a gas rho, u, T, p, x, NaN where inactive; of a solid u, sigma, T, x, p:
-        scratch[0] has h x_X.
-        """
+        """(points, 5): of a gas rho, u, T, p, x, NaN if inactive; of a solid u, sigma, T, x, p."""
         out, own = np.full((5, len(self.X)), np.nan), self.mine
         if self.is_gas:
             rho, m, e = self.owned[:, own]
@@ -160,9 +158,9 @@ class Layer(SimpleNamespace):
             after = np.append(self.local[3, self.own[0] + 1 :], x[-1:] + self.h)[: len(x)]
             x_X = (after - x) / self.h
             p = self.material.pressure(T, x_X)
-            modulus = self.material.wave_modulus(T, p, np.minimum(sigma, p), x_X)
             values = {"x": x, "x_X": x_X, "u": u, "sigma": sigma, "T": T}
-            values["m0 c^2 of waves"] = modulus
+            known = T, p, np.minimum(sigma, p), x_X
+            values["m0 c^2 of waves"] = self.material.wave_modulus(*known)
         return self.number, self.numbers[own], values, x[:, None], self.X[own, None]
 
 

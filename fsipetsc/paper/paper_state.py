@@ -68,17 +68,15 @@ class PaperState(State):
         steps = SimpleNamespace(plan=self.plan, results=self.results, bounds=self.bounds)
         steps.latest, steps.gases = self.latest_numbers, len(gases)
         notes = steps.latest[steps.gases + 2 :].reshape(-1, counts["interface"])
-        self.layers, self._memory, steps.y, steps.total, steps.left = layers_of(
-            comm, problem, opt, self.op, steps
-        )
+        made = layers_of(comm, problem, opt, self.op, steps)
+        self.layers, self._memory, steps.y, steps.total, steps.left = made
         self.parts = {v.number: v for v in self.layers if v.own[0] < v.own[1]}
         self.shapes = [v.local.shape[1:] for v in self.layers]
         self.changing = self._memory, *(v.active for v in self.layers), self.results, self.batch
         self.y = zeros(sum(v.owned.size for v in self.layers))
         self.solution = PETSc.Vec().createWithArray(self.y, comm=comm)
         of = comm.rank, opt["fsi_coupling"], notes
-        pairs = enumerate(pairwise(self.layers))
-        self.interfaces = [Interface(pair, k, *of) for k, pair in pairs]
+        self.interfaces = [Interface(pair, k, *of) for k, pair in enumerate(pairwise(self.layers))]
         self._rows, self._halos = exchanges_of(comm, self.layers, self.interfaces, self._memory)
         self._reduction = Reduction(comm, reduced)
         self._load_procedures(steps, announce)
@@ -187,8 +185,7 @@ class PaperState(State):
                         given[:] = end.data(t)
             for k, one in enumerate(self.interfaces if self.problem.jumps else ()):
                 of = ("g_u", "g_stress", "g_T", "g_flux"), f"jumps at interface {k} at t = {t:.6g}"
-                found = checked(self.problem.jumps, (k, t), NOWHERE, *of)
-                one.jump[:] = np.ravel(found)
+                one.jump[:] = np.ravel(checked(self.problem.jumps, (k, t), NOWHERE, *of))
             for v in self.parts.values():
                 if v.forcing is not None:
                     values = v.layer.values("forcing", v.X[v.mine], t)
@@ -197,9 +194,7 @@ class PaperState(State):
             self._fail(error)
 
     def set_initial(self, t_end: float | None = None) -> None:
-        """Initial data of all layers, projected; all else is asked for at t = 0. InputError, on
-        all ranks.
-        """
+        """Initial data of all layers, projected; all else at t = 0. InputError, on all ranks."""
 
         def fill() -> None:
             solid = next(v.layer for v in self.layers if not v.is_gas)

@@ -61,9 +61,7 @@ def together(comm: Comm, action: Callable[[], Result], asleep: bool = False) -> 
 
 
 def done_asleep(request: Any, patience: float = math.inf) -> bool:
-    """Tell whether a request is done within so many seconds, for which this rank sleeps: others may
-    need its core.
-    """
+    """Tell whether a request is done within so many seconds; this rank sleeps, its core is free."""
     end = time.monotonic() + patience
     while not request.Test():
         if time.monotonic() > end:

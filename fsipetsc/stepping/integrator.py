@@ -78,8 +78,7 @@ class Integrator:
 
     @property
     def _ended(self) -> bool:
-        most = self.opt["ts_max_steps"]
-        return not self._targets or bool(self.stop_signal) or self.steps >= most
+        return bool(not self._targets or self.stop_signal or self.steps >= self.opt["ts_max_steps"])
 
     def _pass(self) -> bool:
         """Whether the time that is reached is one to be saved."""

@@ -13,14 +13,13 @@ import numpy as np
 
 from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blockrun.parts import SolidPart
-from fsipetsc.checks import place_text
+from fsipetsc.checks import Array, place_text
 from fsipetsc.equations.tensors import determinant
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.scheme.observables import drifts
 from fsipetsc.scheme.plan import BAD, OFF_GRID, RATE, TIME, longest_step
 from fsipetsc.state import State
 
-Array = np.ndarray
 #: Courant number beyond which steps are said to be long: the classical method, on a periodic grid,
 #: is unstable beyond 1.6 to 2.8 (orders 8 to 2)
 FAR = 1.5
@@ -37,16 +36,12 @@ FINEST = {1: 1, 2: 4, 3: 2}
 TOO_LARGE = 1e150
 #: fields that must be above 0; others need only be finite
 POSITIVE = "rho", "T", "J", "x_X", "m0 c^2 of waves"
-#: options where there are shocks -> their values
-AT_SHOCKS = {"fsi_coupling": "conservative", "fsi_dissipation": 1, "fsi_shock": 1}
 #: a part of the run's energy that may be round-off: of a smaller one no share is told
 NOTHING = 1e-12
 
 
 def first_notes(state: State) -> list[str]:
-    """Those of the case; why Python is asked for data; faces with a temperature whose gas or solid
-    does not conduct heat.
-    """
+    """Those of the case; why Python is asked for data; temperatures that stay at a face."""
     if not isinstance(state, BlockState):
         return [*state.problem.notes]
     asked = "Python is asked for data in each stage of a step, which takes longer: "
@@ -144,9 +139,10 @@ def worst_waves(part: SolidPart, q: Array) -> list[tuple[float, int, list[float]
 def help_with(opt: Mapping[str, Any]) -> str:
     """What usually helps a run that fails, beside the options that are in force."""
     steps = "shorter steps " + ("(-ts_dt)" if opt["ts_dt"] else "(-fsi_cfl or -ts_dt)")
-    used = [opt["fsi_coupling"] == "conservative", opt["fsi_dissipation"] > 0, opt["fsi_shock"] > 0]
-    more = [f"-{name} {of}" for (name, of), known in zip(AT_SHOCKS.items(), used) if not known]
-    at_shocks = "; where there are shocks " + " ".join(more) if more else ""
+    more = " -fsi_coupling conservative" * (opt["fsi_coupling"] != "conservative")
+    more += " -fsi_dissipation 1" * (opt["fsi_dissipation"] <= 0)
+    more += " -fsi_shock 1" * (not opt["fsi_shock"])
+    at_shocks = f"; where there are shocks{more}" if more else ""
     return f"what usually helps: {steps}, a finer grid (-fsi_h){at_shocks}"
 
 

@@ -6,6 +6,7 @@ nothing that is computed, or only how long steps are and by which method they ar
 
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,8 +15,7 @@ from mpi4py import MPI
 
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import CHECKPOINTS, OUTPUT, PETSC_OPTIONS, RUN, groups, read_table
-from fsipetsc.output import file_layout
-from fsipetsc.output.file_layout import beside, check_folder
+from fsipetsc.output.file_layout import CHECKPOINT, beside, check_folder, opened, read_checkpoint
 from fsipetsc.process.together import together
 from fsipetsc.state import State
 
@@ -69,7 +69,7 @@ def find_past(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> Past | Non
         path = checkpoint_name(opt)
         if not comm.bcast(os.path.exists(path)):
             return None
-    header, arrays = together(comm, lambda: file_layout.read_checkpoint(path))
+    header, arrays = together(comm, lambda: read_checkpoint(path))
     if header["case"] != case.NAME:
         what = f"is a checkpoint of the case {header['case']}, not of {case.NAME}"
         raise InputError(f"-fsi_restart: {path} {what}")
@@ -85,7 +85,7 @@ def other_checkpoint(path: str, opt: Mapping[str, Any], past: Past | None) -> Pa
     check_folder(path)
     if not there.exists() or (past is not None and there.samefile(past.path)):
         return None
-    if not file_layout.is_checkpoint(there):
-        what = "no checkpoint of fsipetsc, or one that is damaged or of another version"
-        raise FileError(f"{path}: exists, and is {what}: rename it, or remove it")
-    return there
+    with suppress(FileError), opened(there, {"format": CHECKPOINT["format"]}):
+        return there
+    what = "no checkpoint of fsipetsc, or one that is damaged or of another version"
+    raise FileError(f"{path}: exists, and is {what}: rename it, or remove it")

@@ -1,6 +1,4 @@
-"""From a case and options to its problem, the state of a run, and the result; what a run says.
-Rank 0 speaks.
-"""
+"""From a case and options to its problem, its state, the result; what a run says, on rank 0."""
 
 import platform
 import shlex
@@ -249,8 +247,7 @@ class Run(Integrator):
             "memory": {name: getattr(self, name) for name in KEPT},
             "result": [self.writer.mark, self.writer.nframes, self.writer.rows, self.t],
         }
-        arrays = self.state.capture()
-        write = file_layout.write_checkpoint
+        arrays, write = self.state.capture(), file_layout.write_checkpoint
         together(self.comm, lambda: arrays and write(self.path, header, arrays))
 
     def go(self) -> None:

@@ -1,6 +1,4 @@
-"""The engine of the commands of this folder: options, cases on grids of many spacings, errors,
-observed orders, verdicts; tables and pictures of them.
-"""
+"""The engine of this folder: options, cases on many grids, errors, orders, verdicts, tables."""
 
 import csv
 import os
@@ -91,9 +89,7 @@ class Row:
 
 
 def picture(title: str, rows: Sequence[Row], path: Path) -> None:
-    """Errors over grid spacings: a panel for each quantity, a line for each order; nothing without
-    matplotlib or rows. FileError.
-    """
+    """Draw errors over spacings: a panel for each quantity; not without matplotlib. FileError."""
     if not rows or find_spec("matplotlib") is None:
         return
     import matplotlib
@@ -160,9 +156,7 @@ class Trial:
     def check(
         self, quantity: str, errors: Any, rate: Any = None, most: Any = None, power: int = 0
     ) -> Row:
-        """Note a norm of errors, the largest or that of the mean of |error|^power, and what is
-        expected of it, as ``Row`` has it.
-        """
+        """Note the largest error, or the norm with this power, and what a ``Row`` expects of it."""
         size = np.abs(errors)
         norm = float(np.mean(size**power) ** (1 / power) if power else size.max())
         row = self.rows.setdefault(quantity, Row(quantity, self.order, rate))
@@ -233,9 +227,7 @@ class Study:
         self.say(f"\nsaved {self.path}")
 
     def trials(self, grids: Mapping[int, Sequence[float]]) -> Iterator[list[Trial]]:
-        """Yield the trials of each order, from coarse to fine: order -> spacings. Their results are
-        in a folder beside the table, which is removed.
-        """
+        """Yield the trials of each order (-> spacings); their results are in a temporary folder."""
         where, prefix = self.path.parent, f"{self.path.stem}-"
         made = self.on_first(lambda: TemporaryDirectory(dir=where, prefix=prefix))
         with made or nullcontext() as folder:
@@ -260,8 +252,6 @@ class Study:
             self.say(table([HEAD, *(row.cells for row in rows)], str.rjust))
 
     def on_first(self, action: Callable[[], Any], ranks: int = 1) -> Any:
-        """action() on the first ranks, while the others sleep: what it gives there, None elsewhere.
-        FsiError of the first ranks on all.
-        """
+        """action() on the first ranks while the others sleep, and get None; FsiError on all."""
         here = self.comm.rank < ranks
         return together(self.comm, action if here else lambda: None, asleep=True)
