@@ -49,8 +49,7 @@ class Option:
         help: one line that `-help` prints.
         choices: the only values that are allowed, in a list the only items.
         check: "positive", "nonnegative", "above 1" or the like, or a function of the value that
-            returns None or True if it is fine, else what is expected, as in "a number below 1", or
-            False.
+            returns None or True if it is fine, else False, or what is expected, "a number below 1".
     """
 
     name: str

@@ -97,8 +97,7 @@ def contact(gas: Fluid, solid: Solid, state: GasState) -> tuple[Any, Any, tuple[
     < X < 2, at rest under LOW.p, which meet at t = 0. The wall on the left moves with the gas.
 
     Returns (rho, u, T) of the gas as a function of (X, t), where X is on the grid from the wall to
-    the solid; (u, sigma, T, x) of the solid; notes for the result. InputError if no shock goes into
-    the solid.
+    the solid; (u, sigma, T, x) of the solid; notes. InputError if no shock goes into the solid.
     """
     from scipy.optimize import brentq
 

@@ -96,8 +96,7 @@ def diff(first: str, second: str) -> str:
 
 def _on_one_scale(found: list[Difference]) -> Iterator[Difference]:
     """Return the differences with one scale for all that has one unit: fields of pure round-off get
-    that of other fields, and velocities at least sqrt(p/rho). Times and what has no known unit keep
-    their own.
+    that of other fields, velocities at least sqrt(p/rho). Times and what has no unit keep theirs.
     """
     scales, units = dict[str, float](), [unit_of(one.name.rpartition(": ")[2]) for one in found]
     units = [one.name if unit in ("", "s") else unit for one, unit in zip(found, units)]
@@ -164,9 +163,7 @@ def _of_series(a: Run, b: Run, notes: list[str]) -> Iterator[Difference]:
 
 
 def common_nodes(a: Layer, b: Layer, notes: list[str]) -> tuple[Array, Array]:
-    """Return numbers of the nodes of either layer that are at the same places, to a billionth of
-    what the layer spans. `notes` tell of another grid.
-    """
+    """Return numbers of the nodes of either layer that are at the same places; note other grids."""
     one, two = (layer.places.reshape(-1, len(layer.shape)) for layer in (a, b))
     within = 1e-9 * np.ptp(one, axis=0).max() if one.size else 1.0
     if a.shape == b.shape and np.allclose(one, two, rtol=0.0, atol=within):

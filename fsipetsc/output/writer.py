@@ -206,9 +206,7 @@ class RunWriter:
                 os.posix_fallocate(file.fileno(), len(image), room + _SPARE)
 
     def _begin(self, after: Any, checkpoint: Path | None) -> tuple[int, int]:
-        """Make the folder. Its first piece is what is kept; all else of this name gets a new name.
-        Return how many frames and rows are kept.
-        """
+        """Make the folder; what is not kept gets a new name. Return the frames and rows kept."""
         if os.path.lexists(self.path) and not self.path.is_file():  # such as /dev/null
             raise FileError(f"{self.path}: exists and is not a regular file")
         self._lock = lock(self.folder, str(self.path))

@@ -1,5 +1,4 @@
-"""What holds at an interface: three treatments, each of the rows of both sides that a condition can
-reach.
+"""What holds at an interface: three treatments, of the rows of both sides that conditions reach.
 
 Rows are counted from the interface into each material. A treatment changes both in place so that
 (2.6)-(2.8b) hold up to the prescribed jumps,
@@ -49,8 +48,7 @@ class Interface(SimpleNamespace):
     """An interface of a pair of layers, the left one first, in the treatment of a ``kind``, a value
     of -fsi_coupling. first: their points at the interface; ranks: the owners of these, who have all
     rows, at ``places`` in memory, and both solve the same small system; here: whether each is this
-    one, ``me``. jump: what is prescribed; notes: what is noted of all, (8, interfaces), of this one
-    in column ``number``.
+    one, ``me``. jump: what is prescribed; notes: of all, (8, interfaces), here column ``number``.
     """
 
     def __init__(self, pair, number, me, kind, notes):
@@ -183,8 +181,7 @@ def multipliers(S11, S12, S22, S23, S24, S33, S34, S44, r1, r2, r3, r4):
 
 def project(of):
     """Project orthogonally, with the conductivity of the gas as it is: all unknowns in *energy*,
-    else all but the temperatures, which are as they should be. Returns the gas's new temperature
-    at the interface.
+    else all but the temperatures, which are as they should be. Returns the gas's new T_f.
 
     c = dp_s/dT, k_s = kappa_e/x_X, tau_f = T^/(rho^ cv), tau_s = T^/(alpha m0).
     """

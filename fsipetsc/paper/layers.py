@@ -207,9 +207,7 @@ def layers_of(comm, problem, opt, op, steps):
 
 
 def exchanges_of(comm, layers, interfaces, memory):
-    """What ranks tell each other: the rows at interfaces; halos, and of a gas its frame, (4.20),
-    (4.25), which the rank of its interface knows.
-    """
+    """What ranks tell each other: rows at interfaces; halos, and of a gas its frame, (4.20)."""
     owners, (rows, halos) = np.zeros(memory.size, int), np.zeros((2, comm.size, memory.size), bool)
     for layer in layers:
         share, halo, k = layer.share, halo_of_rates(layer.op), 2 * layer.number

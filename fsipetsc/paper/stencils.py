@@ -66,9 +66,7 @@ def halo_of_rates(op: SBPOperator) -> int:
 
 
 def near_ends(op: SBPOperator, span: Any) -> Iterator[tuple[Any, Any, Any, int]]:
-    """Yield (r, i, end, step) for each point i of a span that is number r from an end, A or B, from
-    which ``step`` leads inwards.
-    """
+    """Yield (r, i, end, step): points i of a span, number r from an end, A or B; step: inwards."""
     a, b, A, B = span
     for end, step in ((A, 1), (B, -1)):
         for r in each(op.rows):

@@ -75,9 +75,7 @@ def petsc_runs() -> bool:
 
 @contextmanager
 def left_as_found() -> Iterator[None]:
-    """What is done within leaves no search paths, modules of case files and options behind, but
-    those that PETSc looks at when it ends, such as -log_view.
-    """
+    """Leave no search paths, modules of case files and options behind, but such as -log_view."""
     path, modules = list(sys.path), set(sys.modules)
     found = present() if petsc_runs() else {}
     try:

@@ -195,9 +195,7 @@ class Integrator:
             agree(state.comm, state.fault)
 
     def _make_anew(self) -> None:
-        """Go back from an unphysical state: to the steps before the last one, which are made once
-        more, or if there are none, to make it in 2, 4 … parts.
-        """
+        """Make the steps before an unphysical one again, or if none are, that in 2, 4 … parts."""
         state, made, parts = self.state, int(self.state.batch[plan.MADE]), 2
         if made > 1:
             state.evaluations -= STAGES * made  # counted when they are made once more

@@ -98,8 +98,7 @@ def alone(problem: Any, opt: Mapping[str, Any]) -> Any:
 
 def derivatives(state: Any, directions: Iterable[tuple[Any, Any]]) -> list[Any]:
     """Sparse matrices L and P about the solution of a state, with a column for each direction of
-    disturbance: numbers in the vector of unknowns, and by how much they change. Central differences
-    of order 4.
+    disturbance: numbers in the vector of unknowns, and their changes. Differences of order 4.
     """
     start, found = state.solution.array.copy(), ([], [])
     y, f = np.empty_like(start), np.empty_like(start)

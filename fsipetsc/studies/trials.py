@@ -73,9 +73,7 @@ class Row:
 
     @property
     def verdict(self) -> str:
-        """ "converges" with the expected order, or up to 0.4 below it, "holds" below the expected
-        error, or "falls short" of both.
-        """
+        """ "converges": at most 0.4 below the order; "holds": below the error; or "falls short"."""
         if self.rate is not None and self.observed and self.observed[-1] >= self.rate - 0.4:
             return "converges"
         return "holds" if self.most is not None and self.errors[-1] <= self.most else "falls short"
@@ -115,8 +113,7 @@ def picture(title: str, rows: Sequence[Row], path: Path) -> None:
 
 
 class Trial:
-    """A case or an entry at an order of the operators, with a grid spacing h. Results go to
-    ``folder``.
+    """A case or an entry at an order of the operators and a spacing h; results go to ``folder``.
 
     rows: quantity -> its row, to which this grid is added.
     """

@@ -154,9 +154,7 @@ def oblique(trial: Trial) -> None:
 
 @entry({4: (100, 200, 400), 6: (100, 200)}, quick=False)
 def viscous_tube(trial: Trial) -> None:
-    """A shock comes back through the boundary layer that it has left. The error that is allowed is
-    that of the reference on its coarser grid.
-    """
+    """A shock comes back through its boundary layer; the reference's coarser grid errs as much."""
     run = trial.solve("viscous_tube", 1.0, fsi_shock=0.0, fsi_dissipation=1.0)
     last, table = run.layers[0].frame(-1), reference("viscous_tube")
     apart = np.interp(table["x"], last["x"][0], last["rho"][0]) - table["rho"]
