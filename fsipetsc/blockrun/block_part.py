@@ -137,8 +137,7 @@ class BlockPart(Part):
             column = self.problem.column((self.k, axis, side))
             rows.append((axis, 1.0 if side else -1.0, weight, column))
         of_all, counts = np.concatenate([np.zeros(0, int), *own]), [nodes.size for nodes in own]
-        of_faces = np.array(rows).reshape(-1, 4).T
-        axes, sign, weights, columns = np.repeat(of_faces, counts, axis=1)
+        axes, sign, weights, columns = np.repeat(np.array(rows).reshape(-1, 4).T, counts, axis=1)
         at = self.patch.ghosted_rows(of_all)
         found = {"at": at, "own": of_all, "axis": axes.astype(int), "sign": sign}
         found |= {"per_weight": 1.0 / weights, "across": self.weights(at) / weights}

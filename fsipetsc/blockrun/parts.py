@@ -48,9 +48,8 @@ class GasPart(BlockPart):
         self.form = convection_of(opt["fsi_convection"], self.laws)
         damps = sigma > 0.0 or opt["fsi_shock"] > 0.0
         if damps:
-            given = sigma, opt["fsi_shock"], self.form.raises
-            damping = GasDamping(order // 2, part.bands, self.block.cells, *given)
-            self.terms = damping, *self.terms
+            of = part.bands, self.block.cells, sigma, opt["fsi_shock"], self.form.raises
+            self.terms = GasDamping(order // 2, *of), *self.terms
         self.add_sources(add_force, of_gas.supply)
         self.added = damps or self.forced or self.forcing is not None
         self.reads_ghosted = self.reads_ghosted or damps
@@ -168,12 +167,9 @@ class SolidPart(BlockPart):
         if block.prestress is not None:
             self.prestress = np.array(block_values(block, "prestress", self.X, 0.0))
         sigma = sigma_of(about.opt["fsi_dissipation"], self.problem.joined) / 4.0 ** (order // 2)
-        of_all = order // 2, sigma, -sigma * (shock > 0.0)
-        dissipation = [
-            SolidDamping(q, part.bands, block.cells, a, b, self.laws)
-            for q, a, b in (of_all, (1, 0.0, AT_SHOCKS * shock))
-            if a > 0.0 or b > 0.0
-        ]
+        terms = (order // 2, sigma, -sigma * (shock > 0.0)), (1, 0.0, AT_SHOCKS * shock)
+        of = part.bands, block.cells, self.laws
+        dissipation = [SolidDamping(q, *of, a, b) for q, a, b in terms if a > 0.0 or b > 0.0]
         self.terms = *dissipation, *self.terms
         self.add_sources(of_solid.book_force, of_solid.supply)
         self.added = bool(dissipation) or self.forcing is not None

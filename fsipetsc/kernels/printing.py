@@ -57,8 +57,7 @@ def printed(items: Sequence[Symbol | Line]) -> list[str]:
             names[item.number] = item.text
             continue
         else:
-            plain = None, item.operation, item.operands
-            _, operation, operands = fused.get(item.number, plain)
+            _, operation, operands = fused.get(item.number, (None, item.operation, item.operands))
             given = [names[operand.number] for operand in operands]
             form = item.text or _FORMS.get(operation) or f"{operation}_({', '.join(given)})"
             names[item.number] = name = f"t{item.number}"
@@ -86,7 +85,6 @@ def _fused(symbol: Symbol, uses: dict[int, int]) -> Any:
 
 
 def _constant(value: float) -> str:
-    """A constant in C, to the last bit."""
     text = repr(value)
     text = {"inf": "INFINITY", "-inf": "(-INFINITY)", "nan": "NAN"}.get(text, text)
     return f"({text})" if text[0] == "-" else text

@@ -307,8 +307,7 @@ def derivatives(values: Sequence[Any], by: Symbol, still: bool = False) -> tuple
         changes = [found.get(operand.number, nothing) for operand in symbol.operands]
         if symbol is by or symbol.operation in CONDITIONS or {*changes} <= {nothing}:
             continue
-        of = _CHANGES[symbol.operation]
-        change = record.constant(of(*symbol.operands, symbol, *changes))
+        change = record.constant(_CHANGES[symbol.operation](*symbol.operands, symbol, *changes))
         moving = [part for part in changes if part is not nothing]
         if still and symbol.operation in _STEEP and all(part.value is None for part in moving):
             rests = reduce(np.logical_and, [part == 0.0 for part in moving])

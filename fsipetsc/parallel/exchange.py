@@ -50,10 +50,8 @@ class Exchange(Called):
     ) -> None:
         self._requests, size = list[MPI.Prequest](), MPI._sizeof(MPI.Request)
         ends = []  # places and buffer of what is received, and of what is sent
-        for init, of_routes in (
-            (comm.Recv_init, [route.received for route in routes]),
-            (comm.Send_init, [route.sent for route in routes]),
-        ):
+        of_all = [route.received for route in routes], [route.sent for route in routes]
+        for init, of_routes in zip((comm.Recv_init, comm.Send_init), of_all):
             ranks = sorted({r for places in of_routes for r in places if places[r].size})
             joined = [[places[r] for places in of_routes if r in places] for r in ranks]
             counts = [sum(one.size for one in of_rank) for of_rank in joined]

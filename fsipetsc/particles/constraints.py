@@ -144,8 +144,7 @@ def accumulate(total, values):
 
 def velocity(like, U, p, M):
     """u of the gas of particle p; 0 if it has none."""
-    nothing = (0.0,) * len(like)
-    return choose(M > 0.0, per(row(like, U, p, 1), U[p, 0]), nothing)
+    return choose(M > 0.0, per(row(like, U, p, 1), U[p, 0]), (0.0,) * len(like))
 
 
 def accelerate(record, p, one, of_gas, F):

@@ -87,10 +87,8 @@ class Damping(SimpleNamespace):
             for i in range(shape[k] - q):
                 least[k][i] = min(1.0, *H[i : i + q + 1])
         self.weights, self.strides = undivided(q), np.array([1, shape[0], shape[0] * shape[1]])
-        self.norm, self.per_weight = (
-            np.stack([grid.ravel("F") for grid in np.meshgrid(*lines, indexing="ij")[:d]])
-            for lines in (least, per_weight)
-        )
+        grids = (np.meshgrid(*lines, indexing="ij")[:d] for lines in (least, per_weight))
+        self.norm, self.per_weight = (np.stack([one.ravel("F") for one in of]) for of in grids)
         self.alpha = np.zeros_like(self.norm)
         self.F = np.zeros((numbers, self.nodes + q * self.strides[d - 1]))
 
@@ -302,7 +300,7 @@ class SolidDamping(Damping):
     work: (N,).
     """
 
-    def __init__(self, q, bands, cells, a, b, solid):
+    def __init__(self, q, bands, cells, solid, a, b):
         super().__init__(q, bands, cells, len(cells) + 1)
         K = solid.law.wave_modulus(solid.tensor(solid.unstrained((0.0,) * len(cells))))
         self.a, self.b, self.work = a, b, np.zeros(self.nodes)

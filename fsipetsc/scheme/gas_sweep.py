@@ -140,9 +140,8 @@ class GasSweep(Sweep):
             given[side] = self.row(tile.w, *at)
             if kernels.viscous:
                 given[f"s_{side}"] = self.row(tile.s, *at, axis * (d + 1))
-            given[f"a_{side}"], given[f"v_{side}"] = (
-                metrics[first, place:] for first in (axis * d, d * d)
-            )
+            given[f"a_{side}"] = metrics[axis * d, place:]
+            given[f"v_{side}"] = metrics[d * d, place:]
             given[f"potential_{side}"] = self.potential[place:]
         apart = kernels.near_pairs(n, **given)
         if kernels.far_pairs is not None:
@@ -252,8 +251,7 @@ def _viscous(gas, d, near):
     gas, w = kernel.parameters(gas), kernel.read("w", ROWS, d + 5)
     (J,) = kernel.read("w", ROWS, 1, d + 5)
     areas = [kernel.read("metrics", PLANES, d, k * d) for k in range(d)]
-    apart = f" * {d + 1} * ROW"
-    slopes = [slope(kernel, "z", ROWS, k, near, d + 1, apart=apart) for k in range(d)]
+    slopes = [slope(kernel, "z", ROWS, k, near, d + 1, apart=f" * {d + 1} * ROW") for k in range(d)]
     scaled, inverse = outer(slopes[0][:-1], areas[0]), scale(slopes[0][-1], areas[0])
     for D_z, area in zip(slopes[1:], areas[1:], strict=True):
         scaled, inverse = add(scaled, outer(D_z[:-1], area)), along(inverse, D_z[-1], area)

@@ -113,7 +113,6 @@ def seen_at(part, q, own, node):
 
 
 def stored_energy(part, F, node):
-    """Elastic energy per mass."""
     return part.laws.energy(F) / part.laws.m0 + prestress_energy(part, F, node)
 
 
