@@ -111,8 +111,7 @@ def note_nodes(state: Any, noted: Sequence[tuple[int, Probe, int]]) -> None:
     names = [name for one in TABLE if one.of == "point" for name in one.names(d)]
     for number, node, row in noted:
         part, q = state.parts[node.block], state.ghosted(node.block)
-        saved = part.fields(q, slice(row, row + 1))[0]
-        known = dict(zip(part.names, saved.tolist(), strict=True))
+        known = dict(zip(part.names, part.fields(q, slice(row, row + 1))[0].tolist(), strict=True))
         if part.block.kind == "solid":
             stress = part.stressed(q, [row])[2][..., 0]
             of_hoops = known.get("sigma_theta", 0.0) - (known["p"] if d == 1 else 0.0)

@@ -99,8 +99,7 @@ class Block:
     @property
     def faces(self) -> list[tuple[int, int]]:
         """(axis, side) of its faces; there are none along a periodic axis."""
-        axes = (k for k, closed in enumerate(self.periodic) if not closed)
-        return [*product(axes, (0, 1))]
+        return [*product((k for k, closed in enumerate(self.periodic) if not closed), (0, 1))]
 
     @property
     def shape(self) -> tuple[int, ...]:

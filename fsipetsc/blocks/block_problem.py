@@ -203,12 +203,9 @@ class BlockProblem:
         gases = [k for k, block in enumerate(blocks) if block.kind == "fluid"]
         pairs = ((blocks[gas].material, blocks[k].material) for gas, k in self.interfaces)
         shared = any(gas.kappa > 0.0 and solid.kappa_e > 0.0 for gas, solid in pairs)
-        entropy = (
-            all(solid.heat == "elastic" for solid in solids)
-            and all(map(knows_entropy, self.gas_laws))
-            and all(condition.conserves_energy for condition in outer)
-            and not (shared or self._forced)
-        )
+        entropy = all(map(knows_entropy, self.gas_laws)) and not (shared or self._forced)
+        entropy &= all(solid.heat == "elastic" for solid in solids)
+        entropy &= all(condition.conserves_energy for condition in outer)
         sizes = [size_of(block, self.symmetry) for block in blocks if block.kind == "solid"]
         masses = [solid.m0 * size for solid, size in zip(solids, sizes)]
         joins = np.array(self._pairs("fluid", "fluid"), int).reshape(-1, 2).T

@@ -49,8 +49,7 @@ class Checked:
                 object.__setattr__(self, key, number(value, what, self.ranges[key]))
             elif key in VECTORS:
                 items = enumerate(value if isinstance(value, (tuple, list)) else (value,))
-                vector = tuple(number(v, f"{what}[{k}]") for k, v in items)
-                object.__setattr__(self, key, vector)
+                object.__setattr__(self, key, tuple(number(v, f"{what}[{k}]") for k, v in items))
         if getattr(self, "T", None) is not None and getattr(self, "heat_flux", None) is not None:
             raise InputError(f"{name}: T and heat_flux are both given: expected one, or neither")
 
@@ -204,7 +203,6 @@ class NoSlip(Warm, Moving):
 
     @property
     def acts(self) -> bool:
-        """Whether the gas slips."""
         return self.slip_length is not None
 
     @staticmethod
@@ -312,7 +310,6 @@ class Free(Warm):
 
     @property
     def acts(self) -> bool:
-        """Whether there is a pressure."""
         return self.pressure != 0.0
 
 

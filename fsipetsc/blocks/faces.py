@@ -61,8 +61,7 @@ class BlockFace:
             elif self.owner.kind != other.owner.kind:
                 wrong = f"goes on at {other}: expected gas and gas, or two solids"
         elif other and condition is not None:
-            named = type(condition).__name__
-            wrong = f"meets {other}: expected no condition, and {named} is named"
+            wrong = f"meets {other}: expected no condition, and {type(condition).__name__} is named"
         elif other is None and condition is None:
             wanted = f"expected one, or a face with the same {len(self.X)} nodes"
             wrong = f"has no condition, and no face meets it: {wanted}"

@@ -73,7 +73,6 @@ class Grid(SimpleNamespace):
         self.wide.run("metrics", self.x, self.metrics, self.wide.P)
 
     def place(self):
-        """Find where the nodes are."""
         self.blend.fill(self.blend.moved, self.x, self.blend.every, self.wide.y)
 
     def move(self):
@@ -255,7 +254,6 @@ class Blend(SimpleNamespace):
         self._find_axes(block, wide, centred)
 
     def _find_axes(self, block: Block, wide: Wide, centred: bool) -> None:
-        """What is between faces."""
         d, shape, index, nodes = block.dimension, block.shape, [], self.nodes
         for n, (begin, end), closed in zip(shape, wide.wide, block.periodic):
             i = np.arange(begin, end)

@@ -80,24 +80,21 @@ class Wide(SimpleNamespace):
             band, n = problem.band(k, order, axis), block.shape[axis]
             begin, end = begin - band.reach, end + band.reach
             if not block.periodic[axis]:
-                images = n if centred and axis == d - 1 else 0
-                begin, end = max(begin, -images), min(end, n)
+                begin, end = max(begin, -n if centred and axis == d - 1 else 0), min(end, n)
             self.wide.append((begin, end))
             bands.append(band.part(begin, end))
         near = order // 2, max(band.reach for band in bands)
         self.kernels = [partial(grid_kernel, d, of) for of in ((0, near[1]), near)]
-        begins = [begin for begin, _ in self.wide]
         self.every, self.range = np.tile(np.array([0, 1]), (2, 3, 1))
         for box, ends in (self.every, self.wide), (self.range, where):
-            box[:d] = np.array(ends) - np.array(begins)[:, None]
+            box[:d] = np.array(ends) - np.array(self.wide)[:, :1]
         self.sizes = tuple(self.every[:, 1].tolist())
         self.W, self.N = (int(np.prod(box[:, 1] - box[:, 0])) for box in (self.every, self.range))
         steps = np.cumprod(self.sizes)
         places = None, *(np.arange(n) * step for n, step in zip(self.sizes[1:], steps))
         self.axes = tuple(axis_of(band, near, at) for band, at in zip(bands, places))
         index = mesh([np.arange(*ends) for ends in self.wide])
-        around = zip(index, block.shape, block.periodic)
-        index = [i % n if closed else i for i, n, closed in around]
+        index = [i % n if closed else i for i, n, closed in zip(index, block.shape, block.periodic)]
         self.P, y = block.periods, problem.places_at(k, index).reshape(d, -1)
         for P, i, cells in zip(self.P, index, block.cells):
             y = y - np.multiply.outer(P, i.ravel() / cells)

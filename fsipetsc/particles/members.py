@@ -49,7 +49,6 @@ class Face(NamedTuple):
 
     @property
     def name(self) -> tuple[int, int, int]:
-        """(block, axis, side)."""
         return self.block, self.axis, self.side
 
     def said(self, problem: BlockProblem) -> str:
