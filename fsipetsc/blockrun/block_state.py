@@ -139,8 +139,7 @@ class BlockState(State):
             every = [(one.about, of) for some in sources for one in some for of in one.targets]
             bad = [about for about, of in every if not np.isfinite(of).all()]
             self._ask([f"{what}: it is not finite at t = 0" for what in bad])
-        solids = (part for part in parts if part.block.kind == "solid")
-        self.particles.begin({part.k: part.inertia[part.owned] for part in solids})
+        self.particles.begin()
         for gas in self._gases:  # the metrics where nothing has moved
             for name in ("edge", "move", "find_volumes"):
                 gas.does[name]()
@@ -195,7 +194,7 @@ class BlockState(State):
         self._do("share", STAGES)
         self._do("grid", STAGES)
         for gas in self._gases:
-            gas.begin_at_walls(self.owned(gas.k), *self.particles.at_walls(gas.k))
+            gas.begin_at_walls(self.owned(gas.k))
         agree(self.comm, self.fault)
 
     def set_data(self, t: float) -> None:

@@ -114,11 +114,14 @@ class GasPart(BlockPart):
         for c, values in enumerate((1.0, *U)):
             q[:, c] = values
 
-    def begin_at_walls(self, q: Array, nodes: Array, u: Array) -> None:
-        """Let J be that of the grid, and nodes have the velocities u (n, d); rho and T stay."""
+    def begin_at_walls(self, q: Array) -> None:
+        """Let J be that of the grid, and gas at walls have their velocity; rho and T stay."""
         self.does["find_volumes"]()
         q *= (self.J / q[:, 0])[:, None]
-        rows, d = self.rows(nodes), self.d
+        system, d = self.about.system, self.d
+        _, nodes, particle = system.own(self.k)
+        at_wall = system.record.facts.wall[particle] == 1
+        rows, u = self.rows(nodes[at_wall]), system.record.data.wall[particle[at_wall]]
         momentum = q[rows, 1, None] * u
         change = (momentum**2 - q[rows, 2 : 2 + d] ** 2).sum(axis=1) / q[rows, 1]
         q[rows, 2 : 2 + d], q[rows, 2 + d] = momentum, q[rows, 2 + d] + 0.5 * change
@@ -173,10 +176,12 @@ class SolidPart(BlockPart):
         self.terms = *dissipation, *self.terms
         self.add_sources(of_solid.book_force, of_solid.supply)
         self.added = bool(dissipation) or self.forcing is not None
-        members = slice(None) if about.system.record.stores else slice(0)
-        self.rows_of_stored, nodes, _ = (of[members] for of in about.system.own(self.k))
-        self.stored_at = self.patch.ghosted_rows(self.rows(nodes))
-        self.reads_ghosted |= bool(dissipation) or nodes.size > 0
+        members, (rows, nodes, _) = about.system.record, about.system.own(self.k)
+        at = self.patch.ghosted_rows(self.rows(nodes))
+        members.weight[rows] *= self.inertia[at]
+        wanted = slice(None) if members.stores else slice(0)
+        self.rows_of_stored, self.stored_at = rows[wanted], at[wanted]
+        self.reads_ghosted |= bool(dissipation) or self.stored_at.size > 0
         ends = []  # in one dimension
         for number in range(len(self.problem.interfaces) if d == 1 else 0):
             for k, *face in self.problem.interface_faces(number):

@@ -5,7 +5,7 @@ Owners of the members of a particle send each other what is extensive of them; e
 the same order and solves the same small system: see fsipetsc.particles.constraints.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -103,7 +103,7 @@ class ParticleSystem:
     def _of_members(self) -> dict[str, Array]:
         """What the record has of members: GAS or SOLID, specific heat, whether work is booked; of
         those of this rank the place of the first unknown in the world vector, how far the others
-        are apart, and H, which `begin` makes masses of solids.
+        are apart, and H, of which solids make masses.
         """
         problem, ks = self._layout.problem, self._members[:, 0].tolist()
         blocks = [problem.blocks[k] for k in ks]
@@ -157,21 +157,11 @@ class ParticleSystem:
         of_faces = {"weight": sign * weights.prod(axis=0) / weights[own], "index": place[own]}
         return SimpleNamespace(row=row, node=node, axis=axis, column=column, **of_faces)
 
-    def begin(self, inertia: Mapping[int, Array]) -> None:
-        """Learn M_s of the members of solids, weights of those of others, and mean specific heats,
-        once procedures and exchanges are loaded, before anything else. inertia: block -> (owned
-        nodes,), J0 m0 of solids. Collective.
+    def begin(self) -> None:
+        """Learn the weights of members on other ranks, M_s and mean specific heats, once procedures
+        and exchanges are loaded, before anything else. Collective.
         """
-        for k, of_nodes in inertia.items():
-            rows, numbers, _ = self.own(k)
-            self.record.weight[rows] *= of_nodes[self._layout.parts[k].rows(numbers)]
         self.sums.table[:, 0] = self.record.weight
         self.sums()
         self.record.weight[:] = self.sums.table[:, 0]
         self.does["weigh_heat"]()
-
-    def at_walls(self, k: int) -> tuple[Array, Array]:
-        """Nodes of a gas block here that stick to walls, and velocities (n, d) of these."""
-        _, nodes, particle = self.own(k)
-        at_wall = self.record.facts.wall[particle] == 1
-        return nodes[at_wall], self.prescribed.data.wall[particle[at_wall]]
