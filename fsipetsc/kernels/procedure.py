@@ -105,11 +105,11 @@ class Procedure(Called):
     def _text(self, says: str, record: Recording) -> str:
         kinds = {name: _kind(value) for name, value in self._values.items()}
         y, f = (*self.vectors, "unused", "unused_too")[:2]
-        struct = (f"  {kind} {name};" for name, kind in kinds.items())
+        fields = (f"  {kind} {name};" for name, kind in kinds.items())
         taken = (f"  {kind} const {name} = s->{name};" for name, kind in kinds.items())
         head = f"/* {says.strip().partition(chr(10))[0]} */", f"struct {self.name}_in {{"
         of = f"void {self.name}(const struct {self.name}_in *s, double *{y}, double *{f}) {{"
-        return "\n".join([*head, *struct, "};", of, *taken, *printed(record.items), "}\n"])
+        return "\n".join([*head, *fields, "};", of, *taken, *printed(record.items), "}\n"])
 
     def load(self, library: ctypes.CDLL) -> None:
         """Take the compiled function, and fill the struct with what the records have."""
