@@ -185,9 +185,7 @@ class Problem:
 
 
 def check_place(layer: Any, end: Any, x: float, nearest: float) -> None:
-    """InputError if an end of a gas does not stand at x, as near as this [m]: its grid would have
-    another mass.
-    """
+    """InputError if an end of a gas is not this near to x [m]: its grid would have another mass."""
     if abs(end.x - x) > nearest:
         what = f"{layer}: its {type(end).__name__} stands at x = {end.x:g}"
         raise InputError(f"{what}: expected the end of its grid, {x:g}")

@@ -127,9 +127,7 @@ class BlockPart(Part):
         return faces
 
     def nodes_of(self, faces: Sequence[tuple[int, int]]) -> tuple[dict[str, Array], list[int]]:
-        """What fsipetsc.scheme.faces takes of this rank's nodes of faces (axis, side), without
-        data, and how many each has.
-        """
+        """What fsipetsc.scheme.faces takes of faces (axis, side), without data; nodes of each."""
         rows, own = [], [self.rows_among(self.block.face_nodes(*face)) for face in faces]
         for axis, side in faces:
             last = self.patch.first[axis] + (self.patch.own[axis] - 1 if side else 0)

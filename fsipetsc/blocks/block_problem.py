@@ -248,9 +248,7 @@ class BlockProblem:
         return next((self._law_of[k] for k, _ in members if k in self._law_of), 0)
 
     def _check_symmetry(self) -> None:
-        """InputError for what a problem with an axis or a centre cannot have, and where a block
-        does not fit around it.
-        """
+        """InputError for what cannot be around an axis or a centre, or does not fit there."""
         d, symmetry = self.dimension, self.symmetry
         if symmetry not in (0, 1, 2)[: max(4 - d, 1)]:
             wanted = "expected 0, 1 in one or two dimensions, or 2 in one"

@@ -207,9 +207,7 @@ class NoSlip(Warm, Moving):
 
     @staticmethod
     def traction(gas, w, face: FaceNode):
-        """The force -mu/l (u - w) |n| without its part along n, from a wall of velocity w, l the
-        slip length.
-        """
+        """The force -mu/l (u - w) |n| across n; w: velocity of the wall, l: the slip length."""
         past = sub(gas.velocity(w), face.wall)
         past = along(past, -dot(past, face.n) / (face.size * face.size), face.n)
         return scale(-gas.mu * gas.transport.viscosity(w[2]) * face.size / face.width, past)

@@ -156,9 +156,7 @@ def _cells(ends: Extent, h: float | None, what: str) -> int:
 
 
 def _columns(layer: Layer, along: Sequence[Extent], cells: Sequence[int]) -> list[list[int]]:
-    """Numbers of the columns at which a layer begins and ends, of each axis along it. InputError
-    where none is.
-    """
+    """The columns at which a layer begins and ends, of each axis along it. InputError."""
     what, found = f"layer '{layer.name}': span", []
     if len(layer.span or along) != len(along):
         raise InputError(f"{what}: expected (low, high) for each of along")

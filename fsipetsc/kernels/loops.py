@@ -163,9 +163,7 @@ class Array:
         return Array(self._base, self.shape[::-1], self._at, self._steps[::-1])
 
     def reshape(self, *shape: Any) -> "Array":
-        """The same numbers, which lie behind one another, in rows of other lengths; -1 alone: as
-        many as there are.
-        """
+        """The same numbers, which lie behind one another, in rows of other lengths; -1: all."""
         unknown = [isinstance(length, WHOLE) and length < 0 for length in shape]
         if unknown == [True]:
             shape = (self.size,)

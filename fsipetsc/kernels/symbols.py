@@ -147,9 +147,7 @@ class Symbol(NDArrayOperatorsMixin):
 
 
 class Record:
-    """What formulas make. items: symbols, each after its operands. exact: numbers of those that are
-    not fused.
-    """
+    """What formulas make. items: symbols, operands first. exact: numbers of those not fused."""
 
     def __init__(self) -> None:
         self.items = list[Any]()

@@ -103,9 +103,7 @@ class BlockLayout:
         self.halos = Exchange(comm, HALO_TAG, halos, memory)
 
     def _extent(self, k: int, shocks: bool) -> Extent:
-        """A block as its partition sees it. InputError where it has too few nodes, or more numbers
-        than PETSc can count.
-        """
+        """A block as its partition sees it. InputError for too few nodes, or too many numbers."""
         block, shape, op = self.problem.blocks[k], self.shapes[k], OPERATORS[self.order]
         halo = self._halo(k, shocks)
         for axis, (n, closed) in enumerate(zip(shape, block.periodic, strict=True)):

@@ -140,9 +140,7 @@ def _physics(extents: Sequence[Extent], caps: Sequence[int], size: int) -> list[
 
 
 def _cut(extent: Extent, ranks: range) -> Share:
-    """A block on these ranks, or on some of them if it cannot be cut into so many parts; with the
-    fewest nodes along cuts.
-    """
+    """A block on as many of these ranks as it can have, with the fewest nodes along cuts."""
     shape, grids, count = extent.shape, list[tuple[int, ...]](), len(ranks) + 1
     while not grids:
         count -= 1

@@ -120,9 +120,7 @@ class ParticleSystem:
         return dict(kind=kind, alpha=alpha, booked=booked, weight=weight, at=at, apart=apart)
 
     def _of_particles(self, mine: Array, most: int) -> dict[str, Any]:
-        """What the record has of particles: their facts and kinds of constraints. mine: this rank
-        adds what comes in there.
-        """
+        """Facts and kinds of constraints of particles. mine: this rank adds what comes in there."""
         problem, every = self._layout.problem, self._particles
         constraint = np.zeros((len(every), most), int)
         for p, one in enumerate(every):
@@ -158,9 +156,7 @@ class ParticleSystem:
         return SimpleNamespace(row=row, node=node, axis=axis, column=column, **of_faces)
 
     def begin(self) -> None:
-        """Learn the weights of members on other ranks, M_s and mean specific heats, once procedures
-        and exchanges are loaded, before anything else. Collective.
-        """
+        """Learn M_s and mean specific heats, once all is loaded, before all else. Collective."""
         self.sums.table[:, 0] = self.record.weight
         self.sums()
         self.record.weight[:] = self.sums.table[:, 0]

@@ -109,9 +109,7 @@ class Damping(SimpleNamespace):
         return found
 
     def sense(self, steepness, k, length):
-        """Fill alpha along axis k of so many nodes, but at its ends; steepness: returns the s of a
-        node.
-        """
+        """Fill alpha along axis k of so many nodes, but at its ends. steepness: the s of a node."""
         stride = self.strides[k]
         for line in each(self.nodes // (stride * length)):
             begin = line * (stride * length) + stride
@@ -296,9 +294,7 @@ def bend(rise, fall, size):
 
 
 class SolidDamping(Damping):
-    """A term of a solid, with a and b of F. impedance: sqrt(K m0) [kg/(m2 s)], small: of s [m/s].
-    work: (N,).
-    """
+    """A term of a solid, a and b of F. impedance: sqrt(K m0) [kg/(m2 s)], small: of s [m/s]."""
 
     def __init__(self, q, bands, cells, solid, a, b):
         super().__init__(q, bands, cells, len(cells) + 1)
@@ -345,9 +341,7 @@ class SolidDamping(Damping):
         return *F, dot(F, change)
 
     def slowed(self, part, q, k, node):
-        """What differences along axis k give to the rates of a node: of velocity, and of energy by
-        the power of these and by heat.
-        """
+        """What differences along axis k give to a node: rates of v, their power, and heat."""
         d, order, stride = len(part.like), self.order, self.strides[k]
         per_mass = self.per_weight[k, node] / (part.metrics[d * d, node] * part.laws.m0)
         force, here = scale(-per_mass, self.back(d, k, node)), self.F.shape[1] - self.nodes

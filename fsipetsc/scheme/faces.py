@@ -26,9 +26,7 @@ from fsipetsc.scheme.part import area, gas_at, moving
 
 
 def turned(c, a):
-    """Return c times a vector of two numbers turned to the right; a vector of another length as it
-    is.
-    """
+    """c times a vector of two numbers turned to the right; a vector of another length as it is."""
     return (c * a[1], -c * a[0]) if len(a) == 2 else a
 
 
@@ -188,9 +186,7 @@ def load_face(part, faces, i, q, rates, gain):
 
 
 def normal_at(part, faces, i, q):
-    """Return the outward area vector of a solid's face where it is now. For an axis see
-    fsipetsc.blocks.grid.
-    """
+    """The outward area vector of a solid's face as it is. For an axis see fsipetsc.blocks.grid."""
     solid, at, axis, sign = part.laws, faces.at[i], faces.axis[i], faces.sign[i]
     like = part.like
     if len(like) == 3:
@@ -207,9 +203,7 @@ def normal_at(part, faces, i, q):
 
 
 def strain_at(part, q, at):
-    """Return F = 1 + sum_k D_k D A^k / J0 at a solid's node of the ghosted array, with hoop
-    stretches.
-    """
+    """F = 1 + sum_k D_k D A^k / J0 at a solid's node of the ghosted array, with hoop stretches."""
     metrics, like, d = part.metrics, part.like, len(part.like)
     F = add_unit(1.0, outer(like, like))
     for k in range(d):
