@@ -38,8 +38,7 @@ def panel(opt: Opt) -> BlockProblem:
     Gas flows along y = 0 at the Mach number M; between x = 0 and 1 the wall is a panel, behind
     which a cavity has the pressure of the flow. In plane strain lambda = 2 q / (D sqrt(M^2 - 1)), q
     = M^2/2, has D = h^3/12 . 4 mu_e (lambda_e + mu_e) / (lambda_e + 2 mu_e) (docs/gallery.md). A
-    hinge holds the middle of an end face. Units are those of the speed of sound and the density of
-    the flow.
+    hinge holds the middle of an end face. Units: speed of sound and density of the flow.
     """
     M, h, hinged = opt["panel_mach"], opt["panel_thickness"], opt["panel_ends"] == "hinged"
     height, beta = opt["panel_height"], float(np.sqrt(M * M - 1.0))

@@ -68,8 +68,7 @@ def dirichlet_ghost(g, v, weights, degree, least):
 
     v[1..degree] are the nodes inside. The q-th difference is added with eta = max(0, least - L_0):
     the formula of Kreiss & Petersson (2006) as in (4.26), but with an eta that vanishes where L_0
-    is large enough, because a constant one spoils the accuracy when the boundary is close to the
-    ghost point.
+    is large enough: a constant one spoils the accuracy where the boundary is near the ghost point.
     """
     eta = np.maximum(0.0, least - weights[0])
     s, binomial = g, 1.0
@@ -285,9 +284,7 @@ def move_boundary(layer):
 
 
 def close_solid(layer):
-    """Apply the conditions at the outer ends of a solid that this rank owns. An end that absorbs
-    lets the characteristic sigma - p - n Z u leave, Z = m0 c.
-    """
+    """The conditions at ends of a solid; what absorbs lets sigma - p - n Z u leave, Z = m0 c."""
     solid, q, beta = layer.material, layer.local, [float(v) for v in layer.op.closure[0]]
     for side, end in enumerate(layer.ends):
         if end is None:

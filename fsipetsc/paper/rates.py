@@ -8,8 +8,7 @@ gas's interface point, X = x - x_I(t) + X_I, mu' = 4 mu / 3, e = rho (internal e
     (rho u)_t + (rho u (u-s) + p - mu' u_X)_X                            = rho force
     e_t       + (e (u-s) + u (p - mu' u_X) - kappa T_X)_X                = rho u force
 
-Solid, (4.19): Lagrangian, sigma an unknown beside the pressure p(epsilon, rho), epsilon = alpha T,
-rho = m0 / x_X:
+Solid, (4.19): Lagrangian, sigma an unknown beside p(epsilon, rho), epsilon = alpha T, rho = m0/x_X:
 
     u_t          = (sigma - p)_X / m0 + force         (T: the paper's row is misprinted, see (3.1c))
     sigma_t      = K / x_X u_X
@@ -21,8 +20,7 @@ has a row of scratch. A layer is a fsipetsc.paper.layers.Layer.
 
 After a step each layer finds 1/dt [1/s] at Courant number 1, by convection and diffusion, and this
 rank's share of the masses of the gases [kg/m2], then of energy [J/m2] and momentum [N s/m2] of all
-layers, by the norm of the operator, without the strip between an embedded boundary and its ghost
-point.
+layers, by the operator's norm, without the strip between an embedded boundary and its ghost point.
 """
 
 import numpy as np

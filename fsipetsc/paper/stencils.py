@@ -77,8 +77,7 @@ def near_ends(op: SBPOperator, span: Any) -> Iterator[tuple[Any, Any, Any, int]]
 
 def derivatives(layer, rows, span, scale):
     """(i, near, [scale h D q for q in rows]) at each point i of a span. near: (r, end) for point
-    number r from an end, A or B; None between the closures. Rows are known where D reaches from the
-    span, or to A, B.
+    number r from an end, A or B, or None. Rows are known where D reaches from the span, or to A, B.
     """
     op, (a, b, A, B) = layer.op, span
     first, beyond = np.maximum(a, A + op.rows), np.minimum(b, B + 1 - op.rows)

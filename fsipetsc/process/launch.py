@@ -47,8 +47,7 @@ def start_petsc(arguments: Sequence[str], comm: Comm) -> dict[str, str]:
     """Initialise PETSc, unless it runs already, and have it read all options.
 
     Returns what was given, as rank 0 finds it (fsipetsc.options.given_options). arguments: what
-    comes after the case's name. Collective. InputError, FileError for what is not an option and
-    for an options file.
+    comes after the case's name. Collective. InputError; FileError of an options file.
     """
     if not petsc_runs():  # PETSc gets its options later; the program itself answers signals
         import petsc4py

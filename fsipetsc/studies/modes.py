@@ -132,8 +132,7 @@ def step_limit(spectrum: Array) -> float:
 def radial_modes(problem: Any, opt: Mapping[str, Any], n: int = 0) -> Array:
     """Angular frequencies omega [1/s] of the modes of angular number n of rings at rest around the
     origin, periodic along axis 1, or of shells in one dimension (n = 0), that swing, as
-    exp(-i omega t), and are not rough, the slowest first. InputError where the grid has not enough
-    columns for n.
+    exp(-i omega t), and are not rough, the slowest first. InputError: too few columns for n.
     """
     values, blocks = column_modes(problem, opt, 1, n)
     steps = [np.diff(block, axis=0) for block in blocks]
