@@ -189,7 +189,8 @@ class OpenEnd(GasEnd):
         mu, kappa, tau = gas.viscosity(T0), gas.conductivity(T0), T0 * by_heat / (rho * rho * c2)
         alpha = kappa * law.bulk_modulus(rho, T0) / (cv * rho * rho * c2)
         longest = LONGEST * c * self.layer.h * number(self.layer.cells)
-        part = self.data[3] * np.maximum(0.0, 1.0 - np.maximum(mu, kappa / cv) / (rho * longest))
+        faded = 1.0 - np.maximum(mu, kappa / cv) / (rho * longest)
+        part = self.data[3] * np.maximum(0.0, faded)
         return rho, c, tau, alpha, by_heat, 0.5 * (mu - tau * by_heat * kappa), kappa, part
 
     def carried(self, a, alpha, part):
@@ -284,7 +285,9 @@ def move_boundary(layer):
 
 
 def close_solid(layer):
-    """The conditions at ends of a solid; what absorbs lets sigma - p - n Z u leave, Z = m0 c."""
+    """Apply the conditions at the outer ends of a solid that this rank owns. An end that absorbs
+    lets the characteristic sigma - p - n Z u leave, Z = m0 c.
+    """
     solid, q, beta = layer.material, layer.local, [float(v) for v in layer.op.closure[0]]
     for side, end in enumerate(layer.ends):
         if end is None:
