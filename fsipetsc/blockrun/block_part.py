@@ -38,8 +38,7 @@ class BlockPart(Part):
     the nodes that the rank owns, and their H. terms: what adds to rates. sources: of data that may
     depend on time. added: whether something adds to the rates of nodes within the block, after its
     sweep. reads_ghosted: whether something but sweeps reads the ghosted array. names: of what is
-    saved of a node. moves: whether its grid does. code, does: the recorded procedures, also by
-    their names.
+    saved of a node. moves: whether its grid does. code, does: recorded procedures, also by name.
 
     about: layout of blocks; opt: options in force; particles: all of the problem, system: of those
     here; columns: name -> where a series begins in the record of a step; found: see

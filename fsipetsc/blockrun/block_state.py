@@ -48,8 +48,7 @@ class BlockState(State):
 
     y: this rank's part of the solution. recorded: nodes that are recorded at each step. bounds:
     (blocks, 2), largest rates of convection and diffusion [1/s]; h: size of the smallest cells [m].
-    asked: some data depend on time, and not all of these are recorded, so that Python is asked for
-    them; not_recorded: why.
+    asked: Python is asked for data that depend on time, of which not_recorded says why.
     """
 
     MOST_PARTS = 16

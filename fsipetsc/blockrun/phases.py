@@ -40,8 +40,7 @@ def phases(
 ) -> dict[str, list[Any]]:
     """Return the ``phases`` of fsipetsc.state.
 
-    does: the procedures of steps, and what reduces extremes. data: procedures that fill recorded
-    data.
+    does: procedures of steps, and what reduces extremes. data: those that fill recorded data.
     """
     does = {**does, **particles.does}
 

@@ -152,9 +152,8 @@ class BlockProblem:
         return X
 
     def face_normal(self, k: int, node: int, axis: int, side: int) -> tuple[Array, Array, Array]:
-        """At a node of a face: the outward unit normal of the reference map, the place X of the
-        node, and the mean place of its neighbours on the face; of a point, a place inwards. (d,)
-        each.
+        """At a node of a face, (d,) each: the outward unit normal of the reference map, the place X
+        of the node, and the mean place of its neighbours on the face; of a point, a place inwards.
         """
         block, slopes, around = self.blocks[k], [], []
         index = np.array(np.unravel_index(node, block.shape, order="F"))[:, None]

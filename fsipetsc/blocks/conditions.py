@@ -30,8 +30,7 @@ COLUMNS |= {"width": ("slip_length",), "outside": ("rho", "u", "T")}
 class Checked:
     """A dataclass whose data are checked; numbers become floats.
 
-    ranges: what data must be that are numbers or functions; functions: those that are functions
-    alone.
+    ranges: what data must be that are numbers or functions; functions: those that are no numbers.
     """
 
     ranges = RANGES

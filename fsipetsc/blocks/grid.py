@@ -128,8 +128,7 @@ class Radial(Grid):
 
     inner: numbers of the range among the wide nodes. v: (d, W) velocities. area: (W,) A. flat:
     (d, W) z and s, w: their rates, through: A b^k_2 of each axis. b: (d d, W). source: (N,) S;
-    turning: (d d, N) d a^k/dt in two dimensions; bounds: (d d + d + 1, N) metrics by which steps
-    are bounded.
+    turning: (d d, N) d a^k/dt in two dimensions; bounds: (d d + d + 1, N) metrics that bound steps.
     """
 
     def __init__(self, *given: Any) -> None:

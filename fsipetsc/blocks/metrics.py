@@ -157,8 +157,7 @@ class Wide(SimpleNamespace):
 
 
 class Curls(Wide):
-    """The same in three dimensions. Layers of q are found when they are needed, and few are kept,
-    in a ring.
+    """The same in three dimensions. Layers of q are found when needed; a ring of few is kept.
 
     boxes: (1 + count, 2, 3, 2) of nodes whose area vectors are wanted, and of those whose q these
     need: first of the range, then of its ``faces``, (axis, index along it). only: ALL, or the axis

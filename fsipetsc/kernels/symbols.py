@@ -98,8 +98,7 @@ class Symbol(NDArrayOperatorsMixin):
     """A number of a record: what is given, a constant, or what an operation makes of operands.
 
     kind: its type in C: double, int of a condition, long of a whole number, or a pointer. uniform:
-    it depends on constants and parameters alone, so all nodes have the same one. value: of a
-    constant, else None.
+    it depends on constants and parameters alone: all nodes share it. value: of a constant, or None.
     """
 
     __slots__ = ("kind", "number", "operands", "operation", "record", "text", "uniform", "value")

@@ -266,8 +266,7 @@ AXIS: dict[int, Mapping[tuple[int, int], Fraction]] = {
 
 
 class Patch(NamedTuple):
-    """A rank's part of a block: sizes along the three axes, axis 0 contiguous; of an axis that is
-    not there 1, 1 and 0.
+    """A rank's part of a block: sizes along three axes, axis 0 contiguous; 1, 1, 0 where is none.
 
     own: nodes that the rank owns. ghosted: nodes of the array with halos; at an end of the block
     there is no halo. first: where those that it owns begin in that array.

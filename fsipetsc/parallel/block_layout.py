@@ -47,8 +47,7 @@ class Part(SimpleNamespace):
     dof: unknowns of a node. begin: of its numbers in this rank's part of the world vector. numbers:
     (M,) of the nodes that it owns. halo: (dof, N), the ghosted array, or (dof, 0) where the rank
     owns all nodes of that; inside: copies the owned nodes there. signs: (dof,) of the unknowns of
-    mirror images, which stand before the first nodes of a block with a centre; (0,) where there are
-    none.
+    mirror images, which stand before the first nodes of a block with a centre, else (0,).
     """
 
     def rows(self, nodes: Numbers) -> Numbers:
@@ -206,9 +205,7 @@ class BlockLayout:
         return array[slice(*self._begins[k : k + 2])].reshape(self.dofs[k], -1).T
 
     def natural(self, k: int) -> Numbers:
-        """The nodes of block k that this rank holds where they are in the order of their numbers:
-        not those that it owns.
-        """
+        """Nodes of block k, not those that it owns, which this rank holds in their order."""
         n, rank, size = prod(self.shapes[k]), self.comm.rank, self.comm.size
         return np.arange(n * rank // size, n * (rank + 1) // size)
 

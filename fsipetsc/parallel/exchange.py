@@ -39,8 +39,7 @@ class Exchange(Called):
     """One exchange, of the numbers of all routes. Making one is on all ranks that take part. It is
     loaded from a library with EXCHANGES.
 
-    source: None, if it is the world vector. tag: another one for each exchange. empty: this rank
-    has nothing to do.
+    source: None, if it is the world vector. tag: another one for each. empty: nothing is to do.
     """
 
     name = "exchange"

@@ -142,8 +142,7 @@ class Damping(SimpleNamespace):
 
 
 class GasDamping(Damping):
-    """Both terms of a gas. sigma, shock: their sizes, None: none; raises: of the form of
-    convection.
+    """Both terms of a gas. sigma, shock: their sizes, None: none; raises: of the form.
 
     Memory, (numbers, nodes): states, entropy variables, areas and volume fluxes of links, sums. In
     a constant force there are more of these, and of F: see fsipetsc.scheme.gas_terms.

@@ -45,8 +45,7 @@ GAP = 16
 
 def _spans(S, begin, end):
     """Spans of the pairs along a row of which a node is one of begin … end - 1: (n, 3) distance,
-    first lower node and first beyond. A few pairs of weight 0 are taken along where that saves a
-    span.
+    first lower node and first beyond. A few pairs of weight 0 are taken along to save a span.
     """
     spans = []
     for k in range(1, len(S)):
@@ -158,8 +157,7 @@ class GasSweep(Sweep):
 
 def gas_kernels(gas, d, form, viscous, moves, near):
     """All kernels of a gas in d dimensions; near: of nodes inside. far_pairs: None where the form
-    does not tell pairs apart; fluxes: viscous ones of any nodes, and of those inside; raises: of
-    the form.
+    does not tell pairs apart; fluxes: viscous ones of any nodes, and of those inside.
     """
     sums, of_node = d + 2 + d * form.raises, d + 5 + viscous * (1 + bool(gas.around))
     rows = {"w": of_node, "high": sums + moves, "z": viscous * (d + 1), "s": viscous * d * (d + 1)}

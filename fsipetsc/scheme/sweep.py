@@ -207,9 +207,7 @@ class Sweep(SimpleNamespace):
             kernels[kind](count, **self.given(begin, y, z))
 
     def store(self, x, n, y, z):
-        """Store the rates k of a row of owned nodes or, of nodes to whose rates nothing is added,
-        what follows from them.
-        """
+        """Store the rates k of a row of owned nodes, or what follows where nothing is added."""
         found, kind = self.found, whole(self.found.stage[0])
         worlds = {"y": found.y, **dict(zip(("y1", "y2", "y3"), found.stages, strict=True))}
         for begin, count, free in parts(x, x + n, y, z, self.part.free, kind != RATES):
