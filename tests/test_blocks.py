@@ -137,8 +137,7 @@ def square(name="a", lower=(0.0, 0.0), upper=(1.0, 1.0), **changed):
 
 def walls(*names, but=(), condition=NoSlip()):  # noqa: B008
     """A condition at all faces of blocks in 2-D, but for some (name, axis, side)."""
-    faces = product(names, (0, 1), (0, 1))
-    return {face: condition for face in faces if face not in but}
+    return {face: condition for face in product(names, (0, 1), (0, 1)) if face not in but}
 
 
 def two(b, *more):

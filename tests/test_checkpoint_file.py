@@ -87,8 +87,7 @@ def test_a_file_that_cannot_be_gone_on_from_ends_all(stopped, tmp_path):
     said = {"none.h5": "there is no such file", "result.h5": "is not a checkpoint"}
     said["auto"] = f"{NEWEST}: the file is damaged"
     for name, words in said.items():
-        done = solve("rod", "-fsi_restart", name, cwd=tmp_path, ranks=3)
-        message(done, 4, words)
+        message(solve("rod", "-fsi_restart", name, cwd=tmp_path, ranks=3), 4, words)
     assert contents(tmp_path) == before
 
 
