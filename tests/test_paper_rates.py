@@ -41,7 +41,7 @@ def state_of(name, ends=None, **changed):
     problem = case.build(opt)
     left, right = ENDS.get(ends, (None, None))
     problem = replace(problem, left=left or problem.left, right=right or problem.right)
-    return PaperState(MPI.COMM_SELF, problem, opt)
+    return PaperState(MPI.COMM_SELF, problem, opt, print)
 
 
 def runs():

@@ -11,7 +11,6 @@ whose speed over X is s, into the state 0
     E - E0 = (sigma + sigma0)/2 (F - F0).
 """
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -52,9 +51,7 @@ def behind_shock(gas: Fluid, ahead: GasState, mach: float) -> tuple[GasState, fl
     return GasState(rho, s - (s - ahead.u) * ahead.rho / rho, p), s
 
 
-def shock_in_plane(
-    gas: Fluid, ahead: GasState, mach: float, start: float
-) -> tuple[Callable[[Array, Array], Fields], Open]:
+def shock_in_plane(gas: Fluid, ahead: GasState, mach: float, start: float) -> tuple[Any, Open]:
     """Of a shock that is at X = start at first: initial data of a block, the inflow."""
     behind, _ = behind_shock(gas, ahead, mach)
     hot, warm = (state.p / (gas.R * state.rho) for state in (behind, ahead))

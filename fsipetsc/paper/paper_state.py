@@ -55,9 +55,7 @@ class PaperState(State):
     largest rates of convection and diffusion [1/s].
     """
 
-    def __init__(
-        self, comm: MPI.Comm, problem: Problem, opt: Any, announce: Any = lambda text: None
-    ) -> None:
+    def __init__(self, comm: MPI.Comm, problem: Problem, opt: Any, announce: Any) -> None:
         check_form(problem, opt)
         self.comm, self.problem, self.h = comm, problem, opt["fsi_h"]
         self.op, self.asks = OPERATORS[opt["fsi_order"]], not problem.steady_data

@@ -80,9 +80,7 @@ def agree(comm: Comm, fault: FsiError | None) -> None:
         raise kind(*words) from fault
 
 
-def libraries(
-    comm: Comm, texts: Sequence[str], announce: Callable[[str], None] = lambda text: None
-) -> list[ctypes.CDLL]:
+def libraries(comm: Comm, texts: Sequence[str], announce: Any) -> list[ctypes.CDLL]:
     """Return the libraries of this rank's texts in C. Collective, though ranks may have other
     texts: what ranks lack is compiled once, for its processor by a rank that has it, and sent as
     bytes, so that no file system has to show a new file in time.
