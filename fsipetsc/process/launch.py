@@ -75,7 +75,7 @@ def petsc_runs() -> bool:
 @contextmanager
 def left_as_found() -> Iterator[None]:
     """Leave no search paths, modules of case files and options behind, but such as -log_view."""
-    path, modules = list(sys.path), set(sys.modules)
+    path, modules, asked = list(sys.path), set(sys.modules), os.environ.get("PETSC_OPTIONS")
     found = present() if petsc_runs() else {}
     try:
         yield
@@ -88,3 +88,5 @@ def left_as_found() -> Iterator[None]:
             if name.startswith("fsipetsc_case_") or file.startswith(folders):
                 del sys.modules[name]
         sys.path[:] = path
+        if asked is not None:  # a study has taken them
+            os.environ["PETSC_OPTIONS"] = asked
