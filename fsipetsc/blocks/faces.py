@@ -48,7 +48,7 @@ class BlockFace:
         return f"{self.owner}, face (axis {self.axis}, side {self.side})"
 
     def met_by(self, others: Sequence["BlockFace"]) -> "Condition | BlockFace":
-        """What stands at this face, where others are. InputError for one too many or none."""
+        """What stands here; others: faces there. InputError for a condition too many or none."""
         condition, other, wrong = self.condition, others[0] if others else None, ""
         if len(others) > 1:
             wrong = f"is at one place with {other} and {others[1]}: expected two faces"

@@ -266,7 +266,7 @@ AXIS: dict[int, Mapping[tuple[int, int], Fraction]] = {
 
 
 class Patch(NamedTuple):
-    """A rank's part of a block: sizes along three axes, axis 0 contiguous; 1, 1, 0 where is none.
+    """A rank's part of a block: sizes of three axes, axis 0 contiguous; absent ones have 1, 1, 0.
 
     own: nodes that the rank owns. ghosted: nodes of the array with halos; at an end of the block
     there is no halo. first: where those that it owns begin in that array.

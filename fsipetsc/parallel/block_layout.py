@@ -205,7 +205,7 @@ class BlockLayout:
         return array[slice(*self._begins[k : k + 2])].reshape(self.dofs[k], -1).T
 
     def natural(self, k: int) -> Numbers:
-        """Nodes of block k, not those that it owns, which this rank holds in their order."""
+        """Nodes of block k that this rank holds in natural order, not those that it owns."""
         n, rank, size = prod(self.shapes[k]), self.comm.rank, self.comm.size
         return np.arange(n * rank // size, n * (rank + 1) // size)
 

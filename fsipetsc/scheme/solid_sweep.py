@@ -42,7 +42,7 @@ class SolidSweep(Sweep):
 
     def sweep(self, part, found, y, q, f):
         """Store the rates of the owned nodes, or what becomes of them (fsipetsc.scheme.sweep), in
-        f; y, q: planes of the owned nodes, and of all with a halo of 2 interior reaches, or 3.
+        f; y, q: planes of owned nodes, of all with a halo of 2 interior reaches, 3 with conduction.
         """
         kernels = self.kernels
         prestress = {} if part.prestress is None else {"prestress": part.prestress}
