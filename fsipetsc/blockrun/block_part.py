@@ -25,6 +25,7 @@ from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.kernels.symbols import Symbol, numbers_of
 from fsipetsc.parallel.block_layout import Part
 from fsipetsc.scheme.faces import Faces, load_face, pass_face
+from fsipetsc.scheme.observables import SERIES
 from fsipetsc.scheme.recorded_data import Source, asked, positive
 from fsipetsc.scheme.sweep import in_order
 
@@ -41,8 +42,8 @@ class BlockPart(Part):
     saved of a node. moves: whether its grid does. code, does: recorded procedures, also by name.
 
     about: layout of blocks; opt: options in force; particles: all of the problem, system: of those
-    here; columns: name -> where a series begins in the record of a step; found: see
-    fsipetsc.scheme.plan.
+    here; columns: name -> where a series, or this block's number of it, is in the record of a step;
+    found: see fsipetsc.scheme.plan.
     InputError, perhaps on this rank alone.
     """
 
@@ -73,7 +74,10 @@ class BlockPart(Part):
         self.axes = np.array([reaches, sizes, np.cumprod([1, *sizes[:2]])]).T.copy()
         self.like, self.per_h = (0.0,) * d, np.array(block.cells, float)
         self.loses = self.problem.loses(part.k)
-        self.columns = SimpleNamespace(**about.columns)
+        gases_before = [other.kind for other in self.problem.blocks[: part.k]].count("fluid")
+        self.column, number = gases_before, {"gas": gases_before, "layer": part.k}
+        columns = {name: c + number.get(SERIES[name].of, 0) for name, c in about.columns.items()}
+        self.columns = SimpleNamespace(**columns)
         self.at_particles = about.system.faces_at(part.k)
 
     def add_sources(self, add_force: Any, supply: Any) -> None:
@@ -175,7 +179,7 @@ class BlockPart(Part):
         sizes = zip(ghosted, self.patch.first, self.patch.own, strict=True)
         where = [(low + first, low + first + own) for (low, _), first, own in sizes]
         where[axis] = (shape[axis] - 1, shape[axis]) if side else (0, 1)
-        curls = Curls(self.problem, self.k, self.order, where, faces=[(axis, 0)])
+        curls = Curls(self.problem, self.k, self.order, where, [(axis, 0)])
         index = [np.arange(*ends) - low for ends, (low, _) in zip(curls.wide, ghosted)]
         at = np.ravel_multi_index(mesh(index), self.patch.ghosted, "clip", "F").ravel()
         areas, x = np.zeros((9, curls.N)), zeros(curls.y.shape)

@@ -57,8 +57,6 @@ class GasPart(BlockPart):
         self.reference, self.J = np.zeros((2, self.owned.size))
         self.places = self.X.copy()
         self._follow()
-        self.column = [block.kind for block in self.problem.blocks[: self.k]].count("fluid")
-        self.columns.mass += self.column
         near = order // 2, max(band.reach for band in self.bands)
         made = self.kernels_of(gas_kernels, self.form, self.viscous, self.moves, near)
         self.volume = GasSweep(self.laws, self.d, made, self.bands, self.patch)

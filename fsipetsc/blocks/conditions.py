@@ -102,7 +102,7 @@ class Condition(Checked):
     def conserves_energy(self) -> bool:
         """Whether neither heat nor work passes a face."""
         given = any(v is not None for v in (self.T, self.heat_flux, self.x, self.velocity))
-        return not (given or self.passes) and getattr(self, "pressure", 0.0) == 0.0
+        return not (given or self.passes or self.leaving) and getattr(self, "pressure", 0.0) == 0.0
 
     @property
     def effect(self) -> Effect | None:

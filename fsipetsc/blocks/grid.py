@@ -44,7 +44,7 @@ class Grid(SimpleNamespace):
     procedures. The W nodes of ``wide`` are those that derivatives reach.
 
     nodes: (M,) those on faces of the whole block whose displacement and velocity will be given.
-    faces: of the range, (axis, index along it), whose turning is wanted in three dimensions.
+    faces: of the range, (axis, index along it), those at constraints.
 
     metrics: (d d + d, N), a^1 … a^d and the velocity of the grid; around an axis or a centre A is
     one more row. Procedures get known: (M, 2d) displacements [m] and velocities [m/s] of the given
@@ -58,25 +58,30 @@ class Grid(SimpleNamespace):
         block, centred, d = problem.blocks[k], problem.centred(k), problem.dimension
         self.like, self.hoops = (0.0,) * d, (0.0,) * problem.symmetry
         about = problem, k, order, where
-        self.wide: Any = Curls(*about, faces=faces) if d == 3 else Wide(*about)
+        self.wide: Any = (Curls if d == 3 else Wide)(*about, faces)
         self.blend = Blend(block, self.wide, nodes, centred)
         self.x = self.flat = zeros(self.wide.y.shape)
         self.volume = np.zeros(self.wide.N)
         self.metrics = zeros((d * d + d + (problem.symmetry > 0), self.wide.N))
 
     def edge(self, known):
-        """Find where the grid's faces are, and a^k on those at constraints, or everywhere if that
-        is little work.
-        """
+        """Find where the grid's faces are, and a^k on those at constraints."""
         self.blend.complete(self.blend.moved, known, 0)
-        self.place()
-        self.wide.run("metrics", self.x, self.metrics, self.wide.P)
+        self.find_faces(self.x, self.blend.moved, self.wide.y, self.metrics)
+
+    def find_faces(self, x, values, base, areas, sign=1.0):
+        """Put values of the hull, added to a base, on faces of x, and find a^k there."""
+        for c in range(len(self.like)):
+            put_on_faces(x[c], self.blend.every.faces, values[c], base[c], sign)
+        self.wide.find(x, areas, 1, self.wide.only.size)
 
     def place(self):
         self.blend.fill(self.blend.moved, self.x, self.blend.every, self.wide.y)
 
     def move(self):
-        """Find where the grid is and a^k, as far as `edge` has not."""
+        """Find where the grid is and a^k, after `edge`."""
+        self.place()
+        self.wide.find(self.x, self.metrics, 0, 1)
 
     def swing(self, known):
         """Fill the velocity, after `edge` and `move`."""
@@ -102,20 +107,6 @@ class Cube(Grid):
         super().__init__(*given)
         self.moved = zeros(self.x.shape)
         self.ahead, self.back = self.both = np.zeros((2, 9, self.wide.N))
-
-    def edge(self, known):
-        self.blend.complete(self.blend.moved, known, 0)
-        self.find_faces(self.x, self.blend.moved, self.wide.y, self.metrics)
-
-    def find_faces(self, x, values, base, areas, sign=1.0):
-        """Put values of the hull, added to a base, on faces of x, and find a^k there."""
-        for c in range(3):
-            put_on_faces(x[c], self.blend.every.faces, values[c], base[c], sign)
-        self.wide.find(x, areas, 1, self.wide.only.size)
-
-    def move(self):
-        self.place()
-        self.wide.find(self.x, self.metrics, 0, 1)
 
     def turn(self):
         """Find ahead and back, after `swing`."""
@@ -158,6 +149,9 @@ class Radial(Grid):
             self.metrics[d * d + d, i] = area[n]
             for m in range(d * d):
                 self.metrics[m, i] = self.b[m, n] * (area[n] if m % d == d - 1 else 1.0)
+
+    def move(self):
+        """There is nothing left to find after `edge`."""
 
     def swing(self, known):
         """Velocity of the grid, and turning."""

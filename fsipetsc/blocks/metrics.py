@@ -71,9 +71,13 @@ class Wide(SimpleNamespace):
     and, as far as there are nodes, as many more on each side as pairs reach; sizes: how many along
     three axes; axes: neighbours along the axes. range, every: (3, 2) first node and first beyond of
     both, among the wide ones. P: (d, d), the periods. y: (d, W), the periodic part of X.
+    boxes: (1 + count, 3, 2) as range, of that and of its ``faces``, (axis, index along it). only:
+    ALL, or the axis i of a face, whose a^i is wanted.
     """
 
-    def __init__(self, problem: BlockProblem, k: int, order: int, where: Range) -> None:
+    def __init__(
+        self, problem: BlockProblem, k: int, order: int, where: Range, faces: Sequence[Any] = ()
+    ) -> None:
         block, centred, d = problem.blocks[k], problem.centred(k), problem.dimension
         self.where, self.wide, bands = [tuple(ends) for ends in where], list[Any](), []
         for axis, (begin, end) in enumerate(where):
@@ -99,6 +103,10 @@ class Wide(SimpleNamespace):
         for P, i, cells in zip(self.P, index, block.cells):
             y = y - np.multiply.outer(P, i.ravel() / cells)
         self.y = np.ascontiguousarray(y)
+        every = (ALL, 0), *faces
+        self.boxes, self.only = np.array([self.range] * len(every)), np.array(every)[:, 0].copy()
+        for box, (axis, at) in zip(self.boxes[1:], faces):
+            box[axis] = box[axis, 0] + at + np.array([0, 1])
 
     def inner(self, f: Array) -> Array:
         """The part of f (…, W) on the range, (…, N)."""
@@ -122,10 +130,16 @@ class Wide(SimpleNamespace):
 
     # in procedures
 
-    def run(self, of, x, out, P, everywhere=False):
-        """Run a kernel on the range, or on all nodes. x: planes of all, out: of the range."""
+    def find(self, x, a, first, end):
+        """Fill planes a (d d, N) with area vectors of the boxes first … end - 1, x: (d, W)."""
+        for b in each(first, end):
+            self.run("metrics", x, a, self.P, box=self.boxes[b])
+
+    def run(self, of, x, out, P, everywhere=False, box=None):
+        """Run a kernel on the range, a box, or all nodes. x: planes of all, out: of the range."""
         source, flat = (x.reshape(-1), self.W, self.axes, self.at), out.reshape(-1)
-        box, *to = (self.every, self.W, self.at) if everywhere else (self.range, self.N, self.place)
+        box, *to = self.range if box is None else box, self.N, self.place
+        box, *to = (self.every, self.W, self.at) if everywhere else (box, *to)
         for z in each(box[2, 0], box[2, 1]):
             self.run_layer(of, 0, box, z, range(len(self.axes)), source, (flat, *to), P)
 
@@ -159,21 +173,15 @@ class Wide(SimpleNamespace):
 class Curls(Wide):
     """The same in three dimensions. Layers of q are found when needed; a ring of few is kept.
 
-    boxes: (1 + count, 2, 3, 2) of nodes whose area vectors are wanted, and of those whose q these
-    need: first of the range, then of its ``faces``, (axis, index along it). only: ALL, or the axis
-    i of a face, whose a^i is wanted. far: layers between neighbours. ring: of q, the neighbours
-    along the last axis. products: of periods, P_j cross P_k.
+    of_q: (1 + count, 3, 2) boxes of the nodes whose q those of ``boxes`` need. far: layers between
+    neighbours. ring: of q, the neighbours along the last axis. products: of periods, P_j cross P_k.
     """
 
-    def __init__(self, *of_wide: Any, faces: Sequence[Any] = ()) -> None:
+    def __init__(self, *of_wide: Any) -> None:
         super().__init__(*of_wide)
-        reach, boxes = self.axes[0].weights.shape[1] // 2 * np.array([-1, 1]), []
-        for axis, at in ((ALL, 0), *faces):
-            box, across = self.range.copy(), np.arange(3)[:, None] != axis
-            if axis != ALL:
-                box[axis] = box[axis, 0] + at + np.array([0, 1])
-            boxes.append((box, np.clip(box + reach * across, 0, self.every[:, 1:])))
-        self.boxes, self.only = np.array(boxes), np.array([ALL, *(axis for axis, _ in faces)])
+        reach = self.axes[0].weights.shape[1] // 2 * np.array([-1, 1])
+        across = np.arange(3)[:, None] != self.only[:, None, None]
+        self.of_q = np.clip(self.boxes + reach * across, 0, self.every[:, 1:])
         layer, z = self.sizes[0] * self.sizes[1], np.arange(self.sizes[2])[:, None]
         steps = self.axes[2].far // layer
         self.far = int(np.abs(steps).max())
@@ -184,9 +192,8 @@ class Curls(Wide):
         self.products = np.array([np.cross(self.P[i - 2], self.P[i - 1]) for i in range(3)])
 
     def find(self, x, a, first, end):
-        """Fill planes a (9, N) with area vectors of the boxes first … end - 1, x: (3, W)."""
         for b in each(first, end):
-            only, box, of_q = self.only[b], self.boxes[b, 0], self.boxes[b, 1]
+            only, box, of_q = self.only[b], self.boxes[b], self.of_q[b]
             for z in each(box[2, 0], box[2, 1]):
                 next_one = pick(z == box[2, 0], z - self.far, z + self.far)
                 ends = np.maximum(next_one, of_q[2, 0]), np.minimum(z + self.far + 1, of_q[2, 1])
