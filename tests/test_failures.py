@@ -97,7 +97,7 @@ def test_progress_after_a_restart_counts_the_steps_of_the_job():
     """Of which it made 10 in 2 s, a quarter of the run, after another quarter of it."""
     run = {"_speaks": True, "_next_line": 0.0, "_interval": 9.0, "wall_time": 102.0, "bound": ""}
     run |= {"t": 0.5, "s": " s", "steps": 60, "opt": {"ts_max_time": 1.0, "ts_max_steps": 999}}
-    Run._say_progress(SimpleNamespace(**run, _job=(0.25, 50, 100.0), line=(said := []).append), 0.1)
+    Run.say_progress(SimpleNamespace(**run, _job=(0.25, 50, 100.0), line=(said := []).append), 0.1)
     assert said == ["  t = 0.5 of 1 s (50 %), step 60, dt = 0.1 s, 5 steps/s, 4 s left"]
 
 

@@ -14,7 +14,7 @@ import fsipetsc
 from fsipetsc import Fluid, FluidLayer, InputError, Problem, Wall
 from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.problem import blocks_of_line
-from fsipetsc.scheme.faces import Faces
+from fsipetsc.scheme.face_terms import Faces
 from fsipetsc.stepping.notes import first_notes
 
 CASE = str(REPOSITORY / "tests" / "timed.py")

@@ -1,5 +1,5 @@
 """What a rank's parts of gas and solid blocks have in common, and what passes their faces: lists of
-nodes and their data, for fsipetsc.scheme.faces.
+nodes and their data, for fsipetsc.scheme.face_terms.
 """
 
 import inspect
@@ -24,7 +24,7 @@ from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.kernels.symbols import Symbol, numbers_of
 from fsipetsc.parallel.block_layout import Part
-from fsipetsc.scheme.faces import Faces, load_face, pass_face
+from fsipetsc.scheme.face_terms import Faces, load_face, pass_face
 from fsipetsc.scheme.observables import SERIES
 from fsipetsc.scheme.recorded_data import Source, asked, positive
 from fsipetsc.scheme.sweep import in_order
@@ -130,7 +130,7 @@ class BlockPart(Part):
         return faces
 
     def nodes_of(self, faces: Sequence[tuple[int, int]]) -> tuple[dict[str, Array], list[int]]:
-        """What fsipetsc.scheme.faces takes of faces (axis, side), without data; nodes of each."""
+        """What fsipetsc.scheme.face_terms takes of faces (axis, side), without data; nodes each."""
         rows, own = [], [self.rows_among(self.block.face_nodes(*face)) for face in faces]
         for axis, side in faces:
             last = self.patch.first[axis] + (self.patch.own[axis] - 1 if side else 0)

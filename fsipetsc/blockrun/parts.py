@@ -21,7 +21,7 @@ from fsipetsc.parallel.exchange import RowExchange
 from fsipetsc.scheme import gas_terms as of_gas
 from fsipetsc.scheme import solid_procedures as of_solid
 from fsipetsc.scheme.dissipation import AT_SHOCKS, GasDamping, SolidDamping, sigma_of
-from fsipetsc.scheme.faces import normals
+from fsipetsc.scheme.face_terms import normals
 from fsipetsc.scheme.gas_sweep import GasSweep, gas_kernels
 from fsipetsc.scheme.gas_terms import CONSERVED, add_force, convection_of
 from fsipetsc.scheme.monitor import COLUMNS, MONITORED

@@ -22,7 +22,7 @@ VECTORS = "u", "shift"
 #: what data must be that are numbers or functions, also those of ends (fsipetsc.boundaries)
 RANGES = dict.fromkeys(("T", "T0", "rho", "p0", "slip_length"), POSITIVE)
 RANGES |= dict.fromkeys(("heat_flux", "stress", "pressure", "x", "u0", "velocity"), ANY)
-#: column of the record of faces (fsipetsc.scheme.faces) -> names of the data in it
+#: column of the record of faces (fsipetsc.scheme.face_terms) -> names of the data in it
 COLUMNS = {"heat": ("heat_flux",), "pressure": ("pressure",), "stress": ("stress",)}
 COLUMNS |= {"width": ("slip_length",), "outside": ("rho", "u", "T")}
 

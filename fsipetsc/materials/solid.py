@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, described, numbers
-from fsipetsc.equations.solid import Solid as Equations
-from fsipetsc.equations.solid import pressure_slopes
+from fsipetsc.equations.elasticity import Solid as Equations
+from fsipetsc.equations.elasticity import pressure_slopes
 from fsipetsc.errors import InputError
 from fsipetsc.materials import own
 from fsipetsc.materials.fluid import force_in

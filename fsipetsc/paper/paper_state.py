@@ -30,7 +30,7 @@ from fsipetsc.kernels.procedure import Code
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import ends, rates
 from fsipetsc.paper.coupling import Interface, couple, note
-from fsipetsc.paper.layers import check_form, exchanges_of, layers_of
+from fsipetsc.paper.paper_layers import check_form, exchanges_of, layers_of
 from fsipetsc.parallel.exchange import EXCHANGES, Reduction
 from fsipetsc.problem import Problem, check_place
 from fsipetsc.process.together import agree, libraries, together

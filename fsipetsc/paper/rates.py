@@ -16,7 +16,7 @@ Solid, (4.19): Lagrangian, sigma an unknown beside p(epsilon, rho), epsilon = al
     x_t          = u
 
 D acts twice, mu and kappa may vary; rates need values within twice the reach of D. Each quantity
-has a row of scratch. A layer is a fsipetsc.paper.layers.Layer.
+has a row of scratch. A layer is a fsipetsc.paper.paper_layers.Layer.
 
 After a step each layer finds 1/dt [1/s] at Courant number 1, by convection and diffusion, and this
 rank's share of the masses of the gases [kg/m2], then of energy [J/m2] and momentum [N s/m2] of all

@@ -38,7 +38,7 @@ from fsipetsc.kernels.arrays import column, row
 from fsipetsc.kernels.loops import each
 from fsipetsc.materials.stiffened_gas import PerfectGas, stiffened_gas
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
-from fsipetsc.scheme.faces import add_areas, turn_plane
+from fsipetsc.scheme.face_terms import add_areas, turn_plane
 from fsipetsc.scheme.monitor import observe
 from fsipetsc.scheme.part import area, book, moving, nodes_of, owned_planes
 

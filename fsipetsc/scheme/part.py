@@ -19,8 +19,8 @@ the ghosted array, in d dimensions it has what fsipetsc.parallel.block_layout.Pa
 
     Of a gas: form: of convection. around: whether it is around an axis. column: of its mass in what
     comes in. places: (d, N) where the monitor finds the nodes. ends: nodes at the ends of axes, one
-    at an edge once for each axis, as in fsipetsc.scheme.faces. moves: whether its grid moves; grid:
-    see fsipetsc.blocks.grid. known: (m, 2d) displacements and velocities by which it moves,
+    at an edge once for each axis, as in fsipetsc.scheme.face_terms. moves: whether its grid moves;
+    grid: see fsipetsc.blocks.grid. known: (m, 2d) displacements and velocities by which it moves,
     follows: particles here that have them, follower_rows: where. reference, J: (M,) of the
     reference map, and of the grid, by `find_volumes`.
 

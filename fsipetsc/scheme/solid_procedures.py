@@ -11,7 +11,7 @@ from fsipetsc.equations.vectors import add, dot, per
 from fsipetsc.kernels.arrays import column, row
 from fsipetsc.kernels.loops import each
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
-from fsipetsc.scheme.faces import strain_at
+from fsipetsc.scheme.face_terms import strain_at
 from fsipetsc.scheme.monitor import observe
 from fsipetsc.scheme.part import book, ghosted_planes, nodes_of, owned_planes
 

@@ -111,8 +111,8 @@ def worst_waves(part: SolidPart, q: Array) -> list[tuple[float, int, list[float]
     stretch along the wave.
 
     Waves along N are real if the acoustic tensor along N at constant entropy
-    (fsipetsc.equations.solid) is positive, so that all its leading minors are. Nodes with hardly
-    any strain are left out, so that solids of small strain cost next to nothing.
+    (fsipetsc.equations.elasticity) is positive, so that all its leading minors are. Nodes with
+    hardly any strain are left out, so that solids of small strain cost next to nothing.
     """
     part.measure(q)
     d, found = part.block.dimension, []

@@ -176,7 +176,7 @@ class Run(Integrator):
         layer = self.problem.layers[k]
         return f"{_BOUNDS[layer.kind][which]} in {layer.name}"
 
-    def _say_progress(self, dt: float) -> None:
+    def say_progress(self, dt: float) -> None:
         now = time.monotonic()
         if not self._speaks or now < self._next_line:
             return
@@ -229,7 +229,7 @@ class Run(Integrator):
         self.note(*found.values())
 
     def follow_up(self, longest: float, passed: bool, due: bool) -> None:
-        self._say_progress(longest)
+        self.say_progress(longest)
         if self.full:
             self.writer.flush(now=False)
         if passed:
