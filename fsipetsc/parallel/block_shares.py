@@ -15,7 +15,7 @@ import numpy as np
 from fsipetsc.errors import InputError
 
 #: work of a node of gas in entropy form by dimension, relative to a solid's: measured
-COST = {1: 1.6, 2: 1.45, 3: 1.45}
+COST = {1: 1.6, 2: 1.35, 3: 1.45}
 #: work [nodes of a solid] that sending and receiving one message costs
 MESSAGE = 100.0
 #: "auto" cuts blocks across materials only if that makes the slowest rank faster by this factor
