@@ -41,8 +41,12 @@ def check_form(problem: Problem, opt: Mapping[str, Any]) -> None:
     """InputError for options in force, or for a problem, that the paper's method does not have."""
     kinds = [layer.kind for layer in problem.layers]
     walls = [end for end in (problem.left, problem.right) if isinstance(end, Wall)]
-    found = [f"-{name} {opt[name]}" for name, values in HAS.items() if opt[name] not in values]
-    found += ["layers have cells"] * any(layer.cells for layer in problem.layers)
+    for name, values in HAS.items():
+        if opt[name] not in values:
+            known = " or ".join(str(value) for value in values if value not in (None, ""))
+            wanted = f"expected {known or 'nothing'} with the paper's couplings"
+            raise InputError(f"-{name} {opt[name]}: {wanted}; or take -fsi_coupling conservative")
+    found = ["layers have cells"] * any(layer.cells for layer in problem.layers)
     found += ["layers are " + ", ".join(kinds)] * (len(kinds) == 1 or kinds.count("solid") != 1)
     found += ["a wall moves, or has heat"] * any(wall.moves or wall.heated for wall in walls)
     if found:
