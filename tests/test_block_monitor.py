@@ -8,6 +8,7 @@ from block_ledgers import CLOSED, N, Steps, complete, gas, problem_of, rates, so
 from fsipetsc.blocks.conditions import Free
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme import plan
+from fsipetsc.scheme.observables import INTEGRAL, SERIES
 from fsipetsc.stepping.notes import first_bad
 
 
@@ -55,6 +56,14 @@ def test_what_bounds_a_step(shock):
         run.owned(0)[5] *= 0.9  # its J departs from the grid, its density does not
         run.complete()
         assert run.latest["J_error"][0] == pytest.approx(0.1, rel=1e-6)
+
+
+def test_each_integral_has_its_formula():
+    """One without would be 0 without a word."""
+    with Steps(warped(0.0)) as run:
+        texts = "".join(part.code.text for part in run.parts.values())
+        names = {n for n in run.latest.dtype.names if SERIES[n].kind == INTEGRAL}
+        assert names == {n for n in names if f"found_latest[part_columns_{n}] =" in texts} != set()
 
 
 @pytest.mark.parametrize("heat", ["coupled", "elastic"])
