@@ -74,8 +74,8 @@ class BlockPart(Part):
         self.axes = np.array([reaches, sizes, np.cumprod([1, *sizes[:2]])]).T.copy()
         self.like, self.per_h = (0.0,) * d, np.array(block.cells, float)
         self.loses = self.problem.loses(part.k)
-        gases_before = [other.kind for other in self.problem.blocks[: part.k]].count("fluid")
-        self.column, number = gases_before, {"gas": gases_before, "layer": part.k}
+        self.column = [other.kind for other in self.problem.blocks[: part.k]].count("fluid")
+        number = {"gas": self.column, "layer": part.k}
         columns = {name: c + number.get(SERIES[name].of, 0) for name, c in about.columns.items()}
         self.columns = SimpleNamespace(**columns)
         self.at_particles = about.system.faces_at(part.k)

@@ -77,6 +77,7 @@ def phases(
         "inside": [one for one in inside if one not in read],
     }  # fmt: skip
     rates = [*fill, *grid, *each("turn"), *each("rates")]
+    # exchanged after the rates, so that no rank waits while another one moves its grid
     rates += [areas, does["end_turning"]] if slips else []
     rates += [(does["weigh"],), sums, does["end_rates"]]
     found["rates"] = [does["begin_rates"], *rates]

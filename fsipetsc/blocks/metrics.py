@@ -103,8 +103,8 @@ class Wide(SimpleNamespace):
         for P, i, cells in zip(self.P, index, block.cells):
             y = y - np.multiply.outer(P, i.ravel() / cells)
         self.y = np.ascontiguousarray(y)
-        every = (ALL, 0), *faces
-        self.boxes, self.only = np.array([self.range] * len(every)), np.array(every)[:, 0].copy()
+        self.only = np.array([ALL, *(axis for axis, _ in faces)])
+        self.boxes = np.array([self.range] * self.only.size)
         for box, (axis, at) in zip(self.boxes[1:], faces):
             box[axis] = box[axis, 0] + at + np.array([0, 1])
 
@@ -136,12 +136,16 @@ class Wide(SimpleNamespace):
             self.run("metrics", x, a, self.P, box=self.boxes[b])
 
     def run(self, of, x, out, P, everywhere=False, box=None):
-        """Run a kernel on the range, a box, or all nodes. x: planes of all, out: of the range."""
-        source, flat = (x.reshape(-1), self.W, self.axes, self.at), out.reshape(-1)
-        box, *to = self.range if box is None else box, self.N, self.place
-        box, *to = (self.every, self.W, self.at) if everywhere else (box, *to)
+        """Run a kernel on the range, or a box in it, or everywhere. x: planes of all nodes, out: of
+        the range, or of all.
+        """
+        source, target = (x.reshape(-1), self.W, self.axes, self.at), (self.N, self.place)
+        box = self.range if box is None else box
+        if everywhere:
+            box, target = self.every, (self.W, self.at)
         for z in each(box[2, 0], box[2, 1]):
-            self.run_layer(of, 0, box, z, range(len(self.axes)), source, (flat, *to), P)
+            of_all = source, (out.reshape(-1), *target)
+            self.run_layer(of, 0, box, z, range(len(self.axes)), *of_all, P)
 
     def run_layer(self, of, i, box, z, along, source, target, P):
         """Run a kernel on the rows of a layer of a box. source: planes, how far they are apart, the

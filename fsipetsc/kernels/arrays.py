@@ -9,6 +9,8 @@ import numpy as np
 
 from fsipetsc.checks import Array
 
+_made = count()  # arrays of `zeros` so far
+
 
 def column(like: Any, array: Any, n: Any, first: Any = 0) -> Any:
     """Return the numbers array[first + c, n], as many as the tuple ``like`` has."""
@@ -30,6 +32,3 @@ def zeros(shape: Any) -> Array:
     raw = np.full(size + 512, 0.0)
     first = 8 + -(raw.ctypes.data // 8) % 8 + 64 * (next(_made) % 7)
     return raw[first : first + size].reshape(shape)
-
-
-_made = count()

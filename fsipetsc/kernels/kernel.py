@@ -51,8 +51,8 @@ class Kernel:
         return tuple(self.record.given(place, uniform=layout == SHARED) for place in places)
 
     def offset(self, text: str) -> str:
-        """The name of a whole number that all items share, for layouts; text: how C finds it. It is
-        found before the loop: of what a loop reads nothing else may say where more is read.
+        """The name of a whole number that all items share, for layouts; text: how C finds it. C
+        reads it before the loop: if it is read within, gcc takes the last items one by one.
         """
         self._declare(text)
         return self._offsets.setdefault(text, f"far{len(self._offsets)}")

@@ -122,7 +122,7 @@ def follow(part, particles):
 
 
 def move(part):
-    """Find where the grid is now, and a^k, as far as `edge` has not."""
+    """Find where the grid is now, a^k, and the potential there if fluxes take it."""
     part.grid.move()
     if part.form.raises:
         find_potential(part)
