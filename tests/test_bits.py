@@ -26,6 +26,7 @@ RUNS = {
     "sides": "box_mms -box_dimension 3 -box_periodic false -fsi_h 0.125 -fsi_order 2 "
     "-ts_max_steps 2",
     "rod": "rod -fsi_h 0.1 -ts_max_steps 6",
+    "nozzle": "nozzle -ts_max_steps 2",
 }
 #: vector loops of numpy that another machine may not have
 WITHOUT = "AVX512F AVX512CD AVX512_SKX AVX512_CLX AVX512_CNL AVX512_ICL AVX2 FMA3"
@@ -38,7 +39,7 @@ OTHERS = {
     "O0": ("three", {"CFLAGS": "-O0"}),  # as most tests have it (conftest.py)
     "clang": ("", {"CC": shutil.which("clang") or ZIG}),
     "numpy": (
-        "paper blast three",
+        "paper blast three box nozzle",
         {"NPY_DISABLE_CPU_FEATURES": WITHOUT, "OPENBLAS_CORETYPE": "Prescott"},
     ),
 }

@@ -90,7 +90,7 @@ def check_integrals(engine, expected):
         np.testing.assert_allclose(found, value, rtol=1e-11, atol=1e-13, err_msg=name)
 
 
-def check(shape, both, order, faces=closed, t=0.0, most=1e-11, size=0.5, **options):
+def check(shape, both, order, faces=closed, t=0.0, most=3e-13, size=0.5, **options):
     """Compare both at a random state that obeys nothing: (oracle, completed state, rates)."""
     oracle = made(SHAPES[shape](NODES[order]), *both, order, faces, **options)
     engine = Engine(oracle)
@@ -262,7 +262,7 @@ FACES = {
 def test_conditions(faces, both):
     kinds = FACES[faces]
     # accelerations of walls are differences of their velocities
-    most = 1e-8 if faces in ("moving", "bending", "rolling") else 1e-11
+    most = 1e-8 if faces in ("moving", "bending", "rolling") else 3e-13
     check("walls", both, 4, lambda owner: kinds.get(owner, kinds.get(owner[0])), 0.3, most)
 
 

@@ -15,7 +15,7 @@ from fsipetsc import Fluid, FluidLayer, InputError, Problem, Wall
 from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.problem import blocks_of_line
 from fsipetsc.scheme.face_terms import Faces
-from fsipetsc.stepping.notes import first_notes
+from fsipetsc.stepping.notes import BEGIN, Moment, notes
 
 CASE = str(REPOSITORY / "tests" / "timed.py")
 USUAL = {option.name: option.default for option in timed.OPTIONS} | timed.DEFAULTS
@@ -103,7 +103,8 @@ def test_python_is_asked_for_other_functions(name):
     assert state.asks and why in state.not_recorded[0]
     state.set_initial()
     state.finish()
-    assert "in each stage" in first_notes(state)[0] and why in first_notes(state)[0]
+    said = notes(BEGIN, Moment(state, {"ts_dt": 1.0, "fsi_cfl": 1.0}, 0.0, set()))[0]
+    assert "in each stage" in said and why in said
     complete(state, 0.3, state.y)
     found = state.particles.record
     assert found.data.place[found.facts.moves == 1, 0] == x(0.3)

@@ -5,12 +5,10 @@ stress and heat flux of second order, RK3. Walls and the plane of symmetry by mi
 """
 
 import numpy as np
-from numba import njit
 
 G, PR, MU = 1.4, 0.73, 1 / 200
 
 
-@njit(fastmath=True)
 def weno(a, b, c, d, e):
     """Of fifth order, at the face between c and d."""
     x = 13 / 12 * (a - 2 * b + c) ** 2 + (a - 4 * b + 3 * c) ** 2 / 4
@@ -21,80 +19,50 @@ def weno(a, b, c, d, e):
     return at / 6 / (x + y + z)
 
 
-@njit(fastmath=True)
-def both(q, i, j, di, dj):
-    """q on both sides of the face between node (i, j) and the next one along x (di) or y (dj)."""
-    a, b, c = q[i - 2 * di, j - 2 * dj], q[i - di, j - dj], q[i, j]
-    d, e, f = q[i + di, j + dj], q[i + 2 * di, j + 2 * dj], q[i + 3 * di, j + 3 * dj]
-    return weno(a, b, c, d, e), weno(f, e, d, c, b)
+def euler(rho, u, v, p):
+    """What is conserved, its flux along x, and the speed of the fastest wave."""
+    energy = p / (G - 1) + rho * (u * u + v * v) / 2
+    U, flux = (rho, rho * u, rho * v, energy), (rho * u, rho * u * u + p, rho * v * u)
+    return np.array(U), np.array([*flux, (energy + p) * u]), abs(u) + np.sqrt(G * p / rho)
 
 
-@njit(fastmath=True)
-def euler(rho, u, v, p, di, dj):
-    """What is conserved, its flux along x or y, and the speed of the fastest wave."""
-    n, energy = u * di + v * dj, p / (G - 1) + rho * (u * u + v * v) / 2
-    flux = rho * n, rho * u * n + p * di, rho * v * n + p * dj, (energy + p) * n
-    return (rho, rho * u, rho * v, energy), flux, abs(n) + np.sqrt(G * p / rho)
+def through(q, h):
+    """Fluxes (4, n + 1, m) of rho, rho u, rho v, e through the faces across x, from what cells have
+    (5, n + 6, m + 6), mirrored cells too.
+    """
+    n, m = q.shape[1] - 6, q.shape[2] - 6
+
+    def cells(k, beside=0):
+        """Those behind the faces, k on along x and some beside them along y."""
+        return q[:, 2 + k : 3 + k + n, 3 + beside : 3 + beside + m]
+
+    near = [cells(k)[:4] for k in range(-2, 4)]
+    (U, f, fast), (V, g, faster) = euler(*weno(*near[:5])), euler(*weno(*near[:0:-1]))
+    x = (cells(1) - cells(0)) / h
+    y = (cells(0, 1) + cells(1, 1) - cells(0, -1) - cells(1, -1)) / (4 * h)
+    div = 2 / 3 * (x[1] + y[2])
+    tx, ty, (_, u, v, *_) = 2 * x[1] - div, y[1] + x[2], (cells(0) + cells(1)) / 2
+    work = u * tx + v * ty + G / (PR * (G - 1)) * x[4]
+    viscous = MU * np.array([0 * tx, tx, ty, work])
+    return (f + g - np.maximum(fast, faster) * (V - U)) / 2 - viscous
 
 
-@njit(fastmath=True)
-def slope(q, i, j, di, dj, h):
-    """(d/dx, d/dy) of q at the face."""
-    along = (q[i + di, j + dj] - q[i, j]) / h
-    across = q[i + dj, j + di] + q[i + 1, j + 1] - q[i - dj, j - di] - q[i + di - dj, j + dj - di]
-    return (along, across / (4 * h)) if di else (across / (4 * h), along)
-
-
-@njit(fastmath=True)
-def through(q, i, j, di, dj, h):
-    """Fluxes of rho, rho u, rho v, e between cell (i, j) and the next one along x (di) or y."""
-    (r, R), (u, U) = both(q[0], i, j, di, dj), both(q[1], i, j, di, dj)
-    (v, V), (p, P) = both(q[2], i, j, di, dj), both(q[3], i, j, di, dj)
-    w, f, a = euler(r, u, v, p, di, dj)
-    W, F, b = euler(R, U, V, P, di, dj)
-    (ux, uy), (vx, vy) = slope(q[1], i, j, di, dj, h), slope(q[2], i, j, di, dj, h)
-    Tx, Ty = slope(q[4], i, j, di, dj, h)
-    div = 2 / 3 * (ux + vy)
-    tx, ty, heat = (2 * ux - div, uy + vx, Tx) if di else (uy + vx, 2 * vy - div, Ty)
-    u, v = 0.5 * (q[1, i, j] + q[1, i + di, j + dj]), 0.5 * (q[2, i, j] + q[2, i + di, j + dj])
-    work, c = u * tx + v * ty + G / (PR * (G - 1)) * heat, max(a, b)
-    return (
-        0.5 * (f[0] + F[0] - c * (W[0] - w[0])),
-        0.5 * (f[1] + F[1] - c * (W[1] - w[1])) - MU * tx,
-        0.5 * (f[2] + F[2] - c * (W[2] - w[2])) - MU * ty,
-        0.5 * (f[3] + F[3] - c * (W[3] - w[3])) - MU * work,
-    )
-
-
-@njit(fastmath=True)
 def rates(w, h):
     """d/dt of (rho, rho u, rho v, e) in cells, and the largest speed over h and diffusivity."""
     n, m = w.shape[1:]
-    q, f, stiff = np.empty((5, n + 6, m + 6)), np.zeros(w.shape), 0.0  # rho, u, v, p, p/rho
-    for i in range(-3, n + 3):
-        for j in range(-3, m + 3):
-            I, J = min(max(i, -i - 1), n - 1), min(max(j, -j - 1), m - 1)
-            I, J = min(I, 2 * n - 1 - i), min(J, 2 * m - 1 - j)
-            rho, u, v = w[0, I, J], w[1, I, J] / w[0, I, J], w[2, I, J] / w[0, I, J]
-            p = (G - 1) * (w[3, I, J] - rho * (u * u + v * v) / 2)
-            stiff = max(stiff, (abs(u) + abs(v) + 2 * np.sqrt(G * p / rho)) / h)
-            stiff = max(stiff, 5 * G * MU / (PR * rho * h * h))
-            inside, wall = j < m, i < 0 or i >= n or j < 0
-            sign, turned = -1.0 if wall else 1.0, -1.0 if wall or not inside else 1.0
-            q[0, i + 3, j + 3], q[3, i + 3, j + 3], q[4, i + 3, j + 3] = rho, p, p / rho
-            q[1, i + 3, j + 3], q[2, i + 3, j + 3] = sign * u, turned * v
-    for i in range(n + 1):
-        for j in range(m + 1):
-            for di, dj in ((1, 0), (0, 1)):
-                if (di and j == m) or (dj and i == n):
-                    continue
-                flux = through(q, i + 3 - di, j + 3 - dj, di, dj, h)
-                for k in range(4):
-                    if i >= di and j >= dj:
-                        f[k, i - di, j - dj] -= flux[k] / h
-                    if i < n and j < m:
-                        f[k, i, j] += flux[k] / h
-    return f, stiff
+    i, j = np.arange(-3, n + 3), np.arange(-3, m + 3)
+    I, J = (np.where(k < 0, -k - 1, np.where(k < N, k, 2 * N - 1 - k)) for k, N in ((i, n), (j, m)))
+    rho, u, v = w[0], w[1] / w[0], w[2] / w[0]
+    p = (G - 1) * (w[3] - rho * (u * u + v * v) / 2)
+    fast = (abs(u) + abs(v) + 2 * np.sqrt(G * p / rho)) / h
+    stiff = max(fast.max(), (5 * G * MU / (PR * rho * h * h)).max())
+    q = np.array([rho, u, v, p, p / rho])[:, I][:, :, J]
+    wall = (i < 0)[:, None] | (i >= n)[:, None] | (j < 0)
+    q[1] *= np.where(wall, -1.0, 1.0)
+    q[2] *= np.where(wall | (j >= m), -1.0, 1.0)
+    swapped = q[[0, 2, 1, 3, 4]].swapaxes(1, 2)  # y is x there, and v is u
+    along_y = through(swapped, h)[[0, 2, 1, 3]].swapaxes(1, 2)
+    return -(np.diff(through(q, h), axis=1) + np.diff(along_y, axis=2)) / h, stiff
 
 
 def solve(n):

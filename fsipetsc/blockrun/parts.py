@@ -15,7 +15,7 @@ from fsipetsc.equations.tensors import add_unit
 from fsipetsc.equations.vectors import dot
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
-from fsipetsc.materials.own import check_inverses, knows_entropy
+from fsipetsc.materials.own import check_inverses, check_transport, knows_entropy
 from fsipetsc.parallel.block_layout import GATHER_TAG, Part
 from fsipetsc.parallel.exchange import RowExchange
 from fsipetsc.scheme import gas_terms as of_gas
@@ -108,6 +108,7 @@ class GasPart(BlockPart):
         """Fill q (M, d + 3) with the case's data, with J = 1."""
         rho, *u, T = block_values(self.block, "initial", self.X[:, self.owned], 0.0)
         check_inverses(self.laws.law, rho, T, f"the law of the gas '{self.block.name}'")
+        check_transport(self.laws.transport, T, f"the transport of the gas '{self.block.name}'")
         U = self.laws.densities(self.laws.state(rho, tuple(u), T))
         for c, values in enumerate((1.0, *U)):
             q[:, c] = values

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fsipetsc.equations.gas import of_sound
 from fsipetsc.equations.vectors import along, choose, dot, mean, scale, sub
 
 #: first order of an open face fades out where viscosity is this fraction of L times the speed at
@@ -81,15 +82,12 @@ def first_order(gas, w, a, beyond, width, v_n):
     of the outward velocity [1/s].
     """
     law, rho0, T0 = gas.law, beyond[0], beyond[2]
-    c2, cv = law.sound_speed_squared(rho0, T0), law.heat_capacity(rho0, T0)
-    c, by_heat = np.sqrt(c2), law.pressure_by_temperature(rho0, T0) / cv
-    tau = T0 * by_heat / (rho0 * rho0 * c2)
+    c, cv, by_heat, tau, capacity = of_sound(law, rho0, T0)
     mu = 4.0 / 3.0 * gas.mu * gas.transport.viscosity(T0)
     kappa = gas.kappa * gas.transport.conductivity(T0)
     longest = LONGEST * (c + np.minimum(a, 0.0)) * width
     part = np.maximum(0.0, 1.0 - np.maximum(mu, kappa / cv) / (rho0 * longest))
     part = np.where(longest > 0.0, part, 0.0)
-    capacity = cv * rho0 * rho0 * c2 / law.bulk_modulus(rho0, T0)
     alpha = kappa / capacity
     lost = 0.5 * (np.sqrt(a * a + 4.0 * (alpha / width) * (alpha / width)) - a)
     warmer = np.where(a < 0.0, -part * alpha * tau * rho0 * v_n, 0.0)

@@ -267,7 +267,8 @@ def nozzle(opt: Opt) -> BlockProblem:
     along, inside, across, around = common.cells_of(opt, *widths)
 
     def radius(z):
-        return wide - (wide - throat) * np.sin(np.pi * z / length) ** 4
+        narrower = np.sin(np.pi * z / length) ** 2
+        return wide - (wide - throat) * narrower * narrower
 
     def from_wall(low, high, xi):
         """From so far beyond the inner side of the wall to so far; high = 0: to the vessel."""

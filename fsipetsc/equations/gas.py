@@ -94,6 +94,31 @@ def _quintic(z, c0, c1, c2, c3, c4, c5):
     return (c0 + z * c1) + square * ((c2 + z * c3) + square * (c4 + z * c5))
 
 
+def of_sound(law, rho, T):
+    """Numbers of sound in gas of rho and T: its speed c, cv, p_T/cv, dT/dp in it, and rho cp."""
+    c2, cv = law.sound_speed_squared(rho, T), law.heat_capacity(rho, T)
+    by_heat = law.pressure_by_temperature(rho, T) / cv
+    capacity = cv * rho * rho * c2 / law.bulk_modulus(rho, T)
+    return np.sqrt(c2), cv, by_heat, T * by_heat / (rho * rho * c2), capacity
+
+
+class Primitive(NamedTuple):
+    """What w has, by names."""
+
+    rho: Any
+    p: Any
+    T: Any
+    u: Any
+    per_rho: Any
+    per_T: Any
+
+
+def named(w):
+    """The primitive variables w with names."""
+    rho, p, T, *u, per_rho, per_T = w
+    return Primitive(rho, p, T, tuple(u), per_rho, per_T)
+
+
 class Gas(NamedTuple):
     """The equations for a gas law, a transport law and numbers.
 
@@ -118,31 +143,32 @@ class Gas(NamedTuple):
 
     def primitive(self, q):
         """w of q = (J, J rho, J rho u, J E)."""
-        both = 1.0 / (q[0] * q[1])  # one division, not two
-        rho, per_rho = q[1] * (q[1] * both), q[0] * (q[0] * both)
-        per_mass = q[0] * both
-        u = scale(per_mass, q[2:-1])
-        T = self.law.temperature(rho, q[-1] * per_mass - 0.5 * dot(u, u))
+        J, mass, *momentum, energy = q
+        both = 1.0 / (J * mass)  # one division, not two
+        rho, per_rho = mass * (mass * both), J * (J * both)
+        per_mass = J * both
+        u = scale(per_mass, momentum)
+        T = self.law.temperature(rho, energy * per_mass - 0.5 * dot(u, u))
         return (rho, self.law.pressure(rho, T), T, *u, per_rho, 1.0 / T)
 
     def state(self, rho, u, T):
         return (rho, self.law.pressure(rho, T), T, *u, 1.0 / rho, 1.0 / T)
 
     def velocity(self, w):
-        return w[3:-2]
+        return named(w).u
 
     def densities(self, w):
         """U, per volume."""
-        rho, u = w[0], w[3:-2]
-        energy = self.law.energy_density(rho, w[2]) + 0.5 * rho * dot(u, u)
+        rho, _, T, u, *_ = named(w)
+        energy = self.law.energy_density(rho, T) + 0.5 * rho * dot(u, u)
         return (rho, *scale(rho, u), energy)
 
     def flux(self, w, a):
         """a . f, the inviscid flux through the area a at rest."""
-        p, u, U = w[1], w[3:-2], self.densities(w)
+        (rho, p, _, u, *_), (*_, energy) = named(w), self.densities(w)
         through = dot(a, u)
-        mass = U[0] * through
-        return (mass, *along(scale(mass, u), p, a), (U[-1] + p) * through)
+        mass = rho * through
+        return (mass, *along(scale(mass, u), p, a), (energy + p) * through)
 
     def of_grid(self, like):
         """As many numbers as v has: what is known of the grid at a node beside its area vectors."""
@@ -162,21 +188,22 @@ class Gas(NamedTuple):
 
     def mean_density(self, l, r, near):
         """rho^ of two nodes; near: pair_distance is at most NEAR, and no logarithm is needed."""
-        return logarithmic_mean(l[0], r[0], distance(l[0], r[0], l[-2], r[-2]), near)
+        l, r = named(l), named(r)
+        return logarithmic_mean(l.rho, r.rho, distance(l.rho, r.rho, l.per_rho, r.per_rho), near)
 
     def pair_flux(self, l, r, a_l, a_r, g, near):
         """F of two nodes, near ones in a third of the time; linear in a_l, a_r and g."""
-        rho, z = self.mean_density(l, r, near), distance(l[2], r[2], l[-1], r[-1])
-        T = harmonic_mean(l[2], r[2], z, near)
-        a, u_l, u_r, law = mean(a_l, a_r), l[3:-2], r[3:-2], self.law
-        through_l, through_r = dot(a, u_l), dot(a, u_r)
+        rho, law, l, r = self.mean_density(l, r, near), self.law, named(l), named(r)
+        T = harmonic_mean(l.T, r.T, distance(l.T, r.T, l.per_T, r.per_T), near)
+        a = mean(a_l, a_r)
+        through_l, through_r = dot(a, l.u), dot(a, r.u)
         relative = 0.5 * (through_l + through_r) - g
         mass = rho * relative
-        momentum = along(scale(mass, mean(u_l, u_r)), 0.5 * (l[1] + r[1]), a)
+        momentum = along(scale(mass, mean(l.u, r.u)), 0.5 * (l.p + r.p), a)
         # rho e = rho cv T + what it is where rho = 0
-        energy = mass * (law.heat_capacity(rho, T) * T + 0.5 * dot(u_l, u_r))
+        energy = mass * (law.heat_capacity(rho, T) * T + 0.5 * dot(l.u, r.u))
         energy = energy + relative * law.energy_density(0.0, T)
-        return (mass, *momentum, energy + 0.5 * (l[1] * through_r + r[1] * through_l))
+        return (mass, *momentum, energy + 0.5 * (l.p * through_r + r.p * through_l))
 
     def pair_force(self, l, r, a_l, a_r, rise, near):
         """{a} rho^ rise/2 of two nodes, for both; rise: Phi_r - Phi_l."""
@@ -184,39 +211,43 @@ class Gas(NamedTuple):
 
     def pair_distance(self, l, r):
         """How far two states are apart: the larger distance of density, temperature."""
-        return np.maximum(distance(l[0], r[0], l[-2], r[-2]), distance(l[2], r[2], l[-1], r[-1]))
+        l, r = named(l), named(r)
+        of_rho = distance(l.rho, r.rho, l.per_rho, r.per_rho)
+        return np.maximum(of_rho, distance(l.T, r.T, l.per_T, r.per_T))
 
     def speed_of_sound(self, w):
-        return np.sqrt(self.law.sound_speed_squared(w[0], w[2]))
+        w = named(w)
+        return np.sqrt(self.law.sound_speed_squared(w.rho, w.T))
 
     def entropy_density(self, w):
         """rho s [J/(m3 K)]."""
-        return w[0] * self.law.entropy(w[0], w[2])
+        w = named(w)
+        return w.rho * self.law.entropy(w.rho, w.T)
 
     def entropy_variables(self, w):
         """(u_1 … u_d, -1)/T: those whose gradients are taken."""
-        return (*scale(w[-1], w[3:-2]), -w[-1])
+        w = named(w)
+        return (*scale(w.per_T, w.u), -w.per_T)
 
     def first_entropy_variable(self, w):
         """(e + p/rho - |u|^2/2)/T - s."""
-        u = w[3:-2]
-        h = (self.law.energy_density(w[0], w[2]) + w[1]) * w[-2]
-        return (h - 0.5 * dot(u, u)) * w[-1] - self.law.entropy(w[0], w[2])
+        rho, p, T, u, per_rho, per_T = named(w)
+        h = (self.law.energy_density(rho, T) + p) * per_rho
+        return (h - 0.5 * dot(u, u)) * per_T - self.law.entropy(rho, T)
 
     def fastest(self, w, a, g):
         """|a . u - g| + c |a|: the fastest wave through the area a whose volume flux is g."""
-        c_squared = self.law.sound_speed_squared(w[0], w[2])
-        return abs(dot(a, w[3:-2]) - g) + np.sqrt(c_squared * dot(a, a))
+        w = named(w)
+        c_squared = self.law.sound_speed_squared(w.rho, w.T)
+        return abs(dot(a, w.u) - g) + np.sqrt(c_squared * dot(a, a))
 
     def densities_of_change(self, w, change):
         """U_z dz, U by the d + 2 entropy variables z = ((h - |u|^2/2)/T - s, u/T, -1/T), at w.
 
         A sum of squares where rho, T, cv and rho dp/drho are positive: dz . U_z dz > 0.
         """
-        rho, p, T, u = w[0], w[1], w[2], w[3:-2]
-        first, of_u, of_T = change[0], change[1:-1], change[-1]
-        law = self.law
-        H = (law.energy_density(rho, T) + p - T * law.pressure_by_temperature(rho, T)) * w[-2]
+        (rho, p, T, u, per_rho, _), (first, *of_u, of_T), law = named(w), change, self.law
+        H = (law.energy_density(rho, T) + p - T * law.pressure_by_temperature(rho, T)) * per_rho
         H = H + 0.5 * dot(u, u)
         mass = rho * rho * T / law.bulk_modulus(rho, T) * (first + dot(u, of_u) + H * of_T)
         push = scale(rho * T, along(of_u, of_T, u))
@@ -226,34 +257,39 @@ class Gas(NamedTuple):
     def size_of_change(self, w, change, dU):
         """T/K dz . U_z dz [-], dU: U_z dz: for a perfect gas the sum of (drho/rho)^2, |du|^2/(R T)
         and (dT/T)^2/(gamma - 1)."""
-        return abs(dot(change, dU) * w[2] / self.law.bulk_modulus(w[0], w[2]))
+        w = named(w)
+        return abs(dot(change, dU) * w.T / self.law.bulk_modulus(w.rho, w.T))
 
     def viscous_stress(self, w, scaled, inverse, e=0.0):
         """The tensor tau [Pa], and tau of a hoop; scaled: the tensor grad (u/T), inverse: grad
         (-1/T), e: the rates of all hoops together [1/s].
         """
-        G = scale(w[2], add(scaled, outer(w[3:-2], inverse)))
-        mu = self.mu * self.transport.viscosity(w[2])
+        w = named(w)
+        G = scale(w.T, add(scaled, outer(w.u, inverse)))
+        mu = self.mu * self.transport.viscosity(w.T)
         spread = -2.0 / 3.0 * mu * (trace(G) + e if self.around else trace(G))
         tau = add_unit(spread, scale(mu, add(G, transpose(G))))
         return tau, spread + 2.0 * mu * e / len(self.around) if self.around else 0.0
 
     def conduction(self, w, inverse):
         """kappa grad T [W/m2], from grad (-1/T)."""
-        return scale(self.kappa * self.transport.conductivity(w[2]) * (w[2] * w[2]), inverse)
+        T = named(w).T
+        return scale(self.kappa * self.transport.conductivity(T) * (T * T), inverse)
 
     def viscous_flux(self, w, tau, conduction, a):
         """(tau a, a . (tau u + kappa grad T)): a . f_v without its first number, which is 0."""
         traction = apply(tau, a)
-        return (*traction, dot(traction, w[3:-2]) + dot(conduction, a))
+        return (*traction, dot(traction, named(w).u) + dot(conduction, a))
 
     def raised(self, w, rise):
         """w where the potential is more by `rise`, for gas at rest: rho exp(-rise/(R T))."""
-        factor = np.exp(-rise * w[0] / self.law.bulk_modulus(w[0], w[2]))
-        return self.state(w[0] * factor, w[3:-2], w[2])
+        w = named(w)
+        factor = np.exp(-rise * w.rho / self.law.bulk_modulus(w.rho, w.T))
+        return self.state(w.rho * factor, w.u, w.T)
 
     def diffusivity(self, w):
         """The larger of those of momentum, 4/3 mu/rho, and heat, kappa/(rho cv) [m2/s]."""
-        mu, kappa = self.transport.viscosity(w[2]), self.transport.conductivity(w[2])
-        of_heat = self.kappa * kappa / self.law.heat_capacity(w[0], w[2])
-        return np.maximum(4.0 / 3.0 * self.mu * mu, of_heat) * w[-2]
+        w = named(w)
+        mu, kappa = self.transport.viscosity(w.T), self.transport.conductivity(w.T)
+        of_heat = self.kappa * kappa / self.law.heat_capacity(w.rho, w.T)
+        return np.maximum(4.0 / 3.0 * self.mu * mu, of_heat) * w.per_rho

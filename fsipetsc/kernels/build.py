@@ -174,7 +174,8 @@ def _words(name: str) -> list[str]:
     except ValueError as error:
         raise InputError(f"{name} is {given!r}: {str(error).lower()}") from error
     for flag in words:
-        if flag.startswith(REFUSED):
+        in_file = flag.startswith("@")  # of which nobody knows what is in it
+        if in_file or flag.startswith(REFUSED) or flag.replace("--", "-f", 1).startswith(REFUSED):
             raise InputError(f"{name} has {flag}: results would depend on the compiler")
     return words
 

@@ -181,6 +181,18 @@ def check_inverses(law: Any, rho: Any, T: Any, owner: str) -> None:
 
 
 @np.errstate(all="ignore")
+def check_transport(law: Any, T: Any, owner: str) -> None:
+    """InputError if a law of viscosity and conductivity is below 0 at some of the temperatures T
+    (n,) [K], or is no number there.
+    """
+    for name in ("viscosity", "conductivity"):
+        found = np.broadcast_to(getattr(law, name)(T), np.shape(T))
+        for i in np.flatnonzero(~(found >= 0.0))[:1]:
+            said = f"{name}({T[i]:g}) is {found[i]:g}"
+            raise InputError(f"{owner}: {said}: expected a number that is not below 0")
+
+
+@np.errstate(all="ignore")
 def check_solid_law(law: Any, d: int) -> None:
     """InputError if the stress of a law of a case has not d*d numbers or is not dW/dF."""
     if not isinstance(law, OwnSolid):

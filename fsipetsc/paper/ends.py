@@ -9,6 +9,7 @@ ghost point, with Z = rho c; else the scheme is unstable. docs/open-end.md deriv
 import numpy as np
 
 from fsipetsc.boundaries import Dirichlet, Open, Wall, clamped, free
+from fsipetsc.equations.gas import of_sound
 from fsipetsc.equations.vectors import choose
 from fsipetsc.kernels.loops import each, number, pick, stop, when, whole
 from fsipetsc.paper.stencils import halo_of_rates
@@ -184,14 +185,13 @@ class OpenEnd(GasEnd):
         is, 0 to 1."""
         gas, law, p0, T0 = self.gas, self.gas.law, self.data[0], self.data[1]
         rho = law.density(p0, T0)
-        c2, cv = law.sound_speed_squared(rho, T0), law.heat_capacity(rho, T0)
-        c, by_heat = np.sqrt(c2), law.pressure_by_temperature(rho, T0) / cv
-        mu, kappa, tau = gas.viscosity(T0), gas.conductivity(T0), T0 * by_heat / (rho * rho * c2)
-        alpha = kappa * law.bulk_modulus(rho, T0) / (cv * rho * rho * c2)
+        c, cv, by_heat, tau, capacity = of_sound(law, rho, T0)
+        mu, kappa = gas.viscosity(T0), gas.conductivity(T0)
         longest = LONGEST * c * self.layer.h * number(self.layer.cells)
         faded = 1.0 - np.maximum(mu, kappa / cv) / (rho * longest)
         part = self.data[3] * np.maximum(0.0, faded)
-        return rho, c, tau, alpha, by_heat, 0.5 * (mu - tau * by_heat * kappa), kappa, part
+        b = 0.5 * (mu - tau * by_heat * kappa)
+        return rho, c, tau, kappa / capacity, by_heat, b, kappa, part
 
     def carried(self, a, alpha, part):
         """How much of q_nn = 0 there is where gas flows out with a, 0 to 1."""

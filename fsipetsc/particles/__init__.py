@@ -1,1 +1,1 @@
-"""Particles: nodes at one place are members of one (docs/derivation.md, 3 and 4)."""
+"""Nodes at one place are members of one particle ("Particles" in docs/derivation.md)."""

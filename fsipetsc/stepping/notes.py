@@ -1,13 +1,13 @@
-"""What is said of a run: notes when it begins and of what is saved; states from which a run cannot
-go on; by how much mass, momentum, energy and entropy have departed from their laws. All functions
-but the last one are collective.
+"""What is said of a run: notes, by the table at the end; states from which a run cannot go on; by
+how much mass, momentum, energy and entropy have departed from their laws. All functions but the
+last one are collective.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from functools import partial
 from itertools import product
 from math import isqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -40,26 +40,47 @@ POSITIVE = "rho", "T", "J", "x_X", "m0 c^2 of waves"
 NOTHING = 1e-12
 
 
-def first_notes(state: State) -> list[str]:
-    """Those of the case; why Python is asked for data; temperatures that stay at a face."""
-    if not isinstance(state, BlockState):
-        return [*state.problem.notes]
+class Moment(NamedTuple):
+    """What notes are of: a state at t [s], with options; told: solids of which it was said that
+    they are beyond their law.
+    """
+
+    state: State
+    opt: Mapping[str, Any]
+    t: float
+    told: set[int]
+
+
+def of_case(now: Moment) -> list[str]:
+    """Those of the case."""
+    return [*now.state.problem.notes]
+
+
+def python_is_asked(now: Moment) -> list[str]:
+    """Why Python is asked for data."""
     asked = "Python is asked for data in each stage of a step, which takes longer: "
-    stays = set()
-    for (k, *_), met in state.problem.outer_faces.items():
-        name, material = state.problem.blocks[k].name, state.problem.blocks[k].material
+    found = now.state.not_recorded[:1] if isinstance(now.state, BlockState) else ()
+    return [asked + why for why in found]
+
+
+def temperatures_stay(now: Moment) -> list[str]:
+    """Temperatures that stay at a face."""
+    stays, problem = set(), now.state.problem
+    for (k, *_), met in problem.outer_faces.items() if isinstance(now.state, BlockState) else ():
+        name, material = problem.blocks[k].name, problem.blocks[k].material
         conducts = material.kappa if material.kind == "fluid" else material.kappa_e
         if met.warms and not met.all_given and not conducts:
             stays.add(
                 f"{type(met).__name__} gives '{name}' a temperature, and it does not conduct heat: "
                 "only its nodes at the face have that temperature, so results depend on the grid"
             )
-    return [*state.problem.notes, *(asked + why for why in state.not_recorded[:1]), *sorted(stays)]
+    return sorted(stays)
 
 
-def steep_waves(state: State, opt: Mapping[str, Any]) -> list[str]:
+def steep_waves(now: Moment) -> list[str]:
     """Gases in which the pressure jumps from one node to the next, without -fsi_shock."""
-    if opt["fsi_shock"] or not isinstance(state, BlockState):
+    state = now.state
+    if now.opt["fsi_shock"] or not isinstance(state, BlockState):
         return []
     steepest = np.zeros((len(state.problem.blocks), 1 + state.problem.dimension))  # and where
     for k, part in state.parts.items():
@@ -76,8 +97,9 @@ def steep_waves(state: State, opt: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def long_steps(state: State, opt: Mapping[str, Any], t: float) -> list[str]:
-    """Steps that were asked for and are far longer than their bound at t [s]."""
+def long_steps(now: Moment) -> list[str]:
+    """Steps that were asked for and are far longer than their bound."""
+    state, opt, t, _ = now
     rate = float(state.results[RATE])
     step = float(longest_step(opt["fsi_cfl"], opt["ts_dt"] or 0.0, rate))
     if not step * rate > FAR:
@@ -88,22 +110,23 @@ def long_steps(state: State, opt: Mapping[str, Any], t: float) -> list[str]:
     return [f"{asked} is {step * rate:.3g} times {bound}, beyond which methods are unstable"]
 
 
-def imaginary_waves(state: State, t: float, told: Collection[int] = ()) -> dict[int, str]:
-    """Solids, but those told of, whose waves are imaginary at t [s]: block -> text."""
-    found = []
+def imaginary_waves(now: Moment) -> list[str]:
+    """Solids, but those told of, whose waves are imaginary."""
+    found, (state, _, t, told) = [], now
     for k, part in state.parts.items() if isinstance(state, BlockState) else ():
         if part.block.kind == "solid" and k not in told:
             with np.errstate(all="ignore"):  # a bad state has no stress, and is told otherwise
                 found += [(k, *one) for one in worst_waves(part, state.ghosted(k))]
     every = [one for of_rank in state.comm.allgather(found) for one in of_rank]
     worst = {one[0]: one[3:] for one in sorted(every, reverse=True)}  # the worst comes last
+    told.update(worst)
     m, when = state.problem.unit("m"), f"t = {t:.6g}{state.problem.unit('s')}"
-    return {
-        k: f"waves have become imaginary in '{state.problem.layers[k].name}' at "
+    return [
+        f"waves have become imaginary in '{state.problem.layers[k].name}' at "
         f"{place_text(X)}{m}, {when}, where the stretch along them is {stretch:.3g}: the law has "
         "no meaning here"
         for k, (X, stretch) in sorted(worst.items())
-    }
+    ]
 
 
 def worst_waves(part: SolidPart, q: Array) -> list[tuple[float, int, list[float], float]]:
@@ -154,9 +177,9 @@ def check(state: State, opt: Mapping[str, Any], t: float, step: int) -> None:
         if step == 0:
             raise InputError(f"the run cannot begin: {first}, {when}")
         state.go_back()
-        waves = imaginary_waves(state, float(state.batch[TIME]))
+        waves = imaginary_waves(Moment(state, opt, float(state.batch[TIME]), set()))
         first = state.repeat(partial(first_bad, state)) or first
-        helps = waves.values() or [help_with(opt)]
+        helps = waves or [help_with(opt)]
         raise ComputationError("; ".join([f"{first}, {when}", *helps]))
     if flags[OFF_GRID]:
         raise ComputationError(f"at {when} {state.used_up()}")
@@ -199,3 +222,20 @@ def of_laws(
         lost = float(np.sum(series.get("lost_energy", 0.0)))
         found["lost_energy"] = lost / of_solids if of_solids > NOTHING * of_all else 0.0
     return found
+
+
+BEGIN, FRAME, END = "a run begins", "a frame is saved", "a run ends"
+#: when something is looked for, and what, if it is there, is said of it
+NOTES = (
+    (BEGIN, of_case),
+    (BEGIN, python_is_asked),
+    (BEGIN, temperatures_stay),
+    (BEGIN, long_steps),
+    (FRAME, imaginary_waves),
+    (END, steep_waves),
+)
+
+
+def notes(when: str, now: Moment) -> list[str]:
+    """What is to be said at a moment."""
+    return [text for moment, look in NOTES if moment == when for text in look(now)]

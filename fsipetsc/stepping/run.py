@@ -34,7 +34,7 @@ from fsipetsc.scheme.plan import RATE, longest_step
 from fsipetsc.state import State
 from fsipetsc.stepping import restart
 from fsipetsc.stepping.integrator import KEPT, Integrator
-from fsipetsc.stepping.notes import first_notes, imaginary_waves, long_steps, of_laws, steep_waves
+from fsipetsc.stepping.notes import BEGIN, END, FRAME, Moment, long_steps, notes, of_laws
 from fsipetsc.stepping.restart import Past
 
 #: before the place of what a run that failed has computed
@@ -125,10 +125,10 @@ class Run(Integrator):
         self.name, self.problem, self.past = name, state.problem, past
         self.s, self.m = self.problem.unit("s"), self.problem.unit("m")
         self.path = restart.checkpoint_name(opt)
-        self._told: set[int] = set()  # solids of which it was said that they are beyond their law
         self._speaks = self.comm.rank == 0 and not opt["fsi_quiet"]
         self._job = self.t, self.steps, self.wall_time  # where this job begins
-        self._long_steps = long_steps(state, opt, self.t)
+        self._told: set[int] = set()  # of fsipetsc.stepping.notes.Moment
+        self._long_steps = long_steps(self._now)
         self._interval = OFTEN if opt["fsi_progress"] or sys.stdout.isatty() else USUAL
         self._next_line = time.monotonic() + self._interval
 
@@ -136,8 +136,13 @@ class Run(Integrator):
         for text in texts if self._speaks else ():
             say(text)
 
-    def note(self, *texts: str) -> None:
-        self.line(*(f"note: {text}" for text in texts))
+    @property
+    def _now(self) -> Moment:
+        return Moment(self.state, self.opt, self.t, self._told)
+
+    def note(self, when: str) -> None:
+        """Say what is to be said at a moment. Collective."""
+        self.line(*(f"note: {text}" for text in notes(when, self._now)))
 
     def _say_what_runs(self) -> None:
         state, h = self.state, self.opt["fsi_h"]
@@ -157,7 +162,7 @@ class Run(Integrator):
         self._say_what_runs()
         if isinstance(self.problem, BlockProblem):
             self.line(table(geometry_rows(self.problem)))
-        self.note(*first_notes(self.state), *self._long_steps)
+        self.note(BEGIN)
         rate = float(self.state.results[RATE])
         dt = float(longest_step(opt["fsi_cfl"], opt["ts_dt"] or 0.0, rate))
         count = f"{(opt['ts_max_time'] - self.t) / dt:,.0f} like it to the end"
@@ -221,12 +226,10 @@ class Run(Integrator):
         return self.writer
 
     def frame(self) -> None:
-        """Save the state, and say whose waves have become imaginary. Collective."""
+        """Save the state. Collective."""
         self.saved_at = self.t
         self.writer.write_frame(self.t, self.state.save())
-        found = imaginary_waves(self.state, self.t, self._told)
-        self._told.update(found)
-        self.note(*found.values())
+        self.note(FRAME)
 
     def follow_up(self, longest: float, passed: bool, due: bool) -> None:
         self.say_progress(longest)
@@ -261,12 +264,12 @@ class Run(Integrator):
                 self.initial = self.reached or self.initial  # of a restart with a file of its own
                 self.frame()
             if self.past is None:
-                self.note(*first_notes(self.state), *self._long_steps)
+                self.note(BEGIN)
             self.run()
             if self.t > self.saved_at:  # ended between two saved times
                 self.frame()
             found = self.state.errors(self.t, self.opt["fsi_norm"])
-            self.note(*steep_waves(self.state, self.opt))
+            self.note(END)
         except (ComputationError, InputError, file_layout.CheckpointError) as error:
             failure = error
             if isinstance(error, ComputationError):
