@@ -81,11 +81,12 @@ def test_options_links_and_files_exist(name):
 def test_the_kernel_of_the_page_of_code_is_what_is_printed():
     """Without blanks and ends of lines."""
     from fsipetsc.materials.fluid import Fluid
+    from fsipetsc.operators.slopes import Stencil
     from fsipetsc.scheme.gas_sweep import gas_kernels
     from fsipetsc.scheme.gas_terms import convection_of
 
     gas = Fluid(0.0, 0.0, 1.4, 287.0).equations(2)
-    kernels = gas_kernels(gas, 2, convection_of("entropy", gas), False, False, (2, 3))
+    kernels = gas_kernels(gas, 2, convection_of("entropy", gas), False, False, Stencil(2, 3))
     (page,) = (text for language, text in FENCED.findall(TEXTS["code.md"]) if language == "c")
     assert "".join(page.split("{", 1)[1].split()) in "".join(kernels.near_pairs.text.split())
 

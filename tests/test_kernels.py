@@ -24,6 +24,7 @@ from fsipetsc.kernels.procedure import unit
 from fsipetsc.kernels.symbols import MADE, Record, derivatives, exact, replay
 from fsipetsc.materials.stiffened_gas import PerfectGas
 from fsipetsc.materials.sutherland import ConstantTransport
+from fsipetsc.operators.slopes import Stencil
 from fsipetsc.scheme.gas_sweep import gas_kernels
 from fsipetsc.scheme.gas_terms import convection_of
 
@@ -87,7 +88,7 @@ def test_equal_operations_are_done_once_and_products_are_fused():
 def test_material_numbers_are_arguments_and_not_text():
     def text(mu, kappa, gamma):
         gas = Gas(PerfectGas(gamma, 287.0), ConstantTransport(), mu, kappa, (0.0, 0.0))
-        kernels = gas_kernels(gas, 2, convection_of("entropy", gas), True, True, (2, 3))
+        kernels = gas_kernels(gas, 2, convection_of("entropy", gas), True, True, Stencil(2, 3))
         found = kernels.load, kernels.near_pairs, kernels.far_pairs, *kernels.fluxes
         return [kernel.text for kernel in found], floats_of(gas)
 

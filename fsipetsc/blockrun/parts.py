@@ -16,6 +16,7 @@ from fsipetsc.equations.vectors import dot
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
 from fsipetsc.materials.own import check_inverses, check_transport, knows_entropy
+from fsipetsc.operators.slopes import Stencil
 from fsipetsc.parallel.block_layout import GATHER_TAG, Part
 from fsipetsc.parallel.exchange import RowExchange
 from fsipetsc.scheme import gas_terms as of_gas
@@ -57,8 +58,8 @@ class GasPart(BlockPart):
         self.reference, self.J = np.zeros((2, self.owned.size))
         self.places = self.X.copy()
         self._follow()
-        near = order // 2, max(band.reach for band in self.bands)
-        made = self.kernels_of(gas_kernels, self.form, self.viscous, self.moves, near)
+        stencil = Stencil(order // 2, max(band.reach for band in self.bands))
+        made = self.kernels_of(gas_kernels, self.form, self.viscous, self.moves, stencil)
         self.volume = GasSweep(self.laws, self.d, made, self.bands, self.patch)
         potential = self.volume.potential
         potential[:] = -dot(self.laws.force, self.X)[: potential.size]

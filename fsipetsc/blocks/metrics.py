@@ -27,7 +27,7 @@ from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.kernel import PLANES, SHARED, Kernel
 from fsipetsc.kernels.loops import each, pick, when
 from fsipetsc.kernels.symbols import exact
-from fsipetsc.operators.slopes import Near, axis_of, kinds, slope
+from fsipetsc.operators.slopes import Stencil, axis_of, kinds, slope
 
 #: planes from which kernels take numbers
 WIDE = "{c} * W + {i}"
@@ -36,15 +36,15 @@ ALL = 3
 
 
 @cache
-def grid_kernel(d: int, near: Near, of: str, i: int = 0) -> Kernel:
+def grid_kernel(d: int, stencil: Stencil, of: str, i: int = 0) -> Kernel:
     """The kernel that makes planes out of planes x and of periods P, in d dimensions; of: the name
     of what it makes, i: of which axis.
     """
-    kernel = Kernel(f"{of}_{i}{'_inside' * (near[0] > 0)}", f"{of.capitalize()} of nodes of a row.")
+    kernel = Kernel(f"{of}_{i}{stencil.suffix}", f"{of.capitalize()} of nodes of a row.")
     j, k = (i + 1) % 3, (i + 2) % 3
 
     def D(axis: int, count: int = d, first: int = 0) -> Any:
-        return slope(kernel, "x", WIDE, axis, near, count, first)
+        return slope(kernel, "x", WIDE, axis, stencil, count, first)
 
     def P(axis: int) -> Any:
         return kernel.read("P", SHARED, d, d * axis)
@@ -87,8 +87,8 @@ class Wide(SimpleNamespace):
                 begin, end = max(begin, -n if centred and axis == d - 1 else 0), min(end, n)
             self.wide.append((begin, end))
             bands.append(band.part(begin, end))
-        near = order // 2, max(band.reach for band in bands)
-        self.kernels = [partial(grid_kernel, d, of) for of in ((0, near[1]), near)]
+        stencil = Stencil(order // 2, max(band.reach for band in bands))
+        self.kernels = [partial(grid_kernel, d, of) for of in stencil.both]
         self.every, self.range = np.tile(np.array([0, 1]), (2, 3, 1))
         for box, ends in (self.every, self.wide), (self.range, where):
             box[:d] = np.array(ends) - np.array(self.wide)[:, :1]
@@ -96,7 +96,7 @@ class Wide(SimpleNamespace):
         self.W, self.N = (int(np.prod(box[:, 1] - box[:, 0])) for box in (self.every, self.range))
         steps = np.cumprod(self.sizes)
         places = None, *(np.arange(n) * step for n, step in zip(self.sizes[1:], steps))
-        self.axes = tuple(axis_of(band, near, at) for band, at in zip(bands, places))
+        self.axes = tuple(axis_of(band, stencil, at) for band, at in zip(bands, places))
         index = mesh([np.arange(*ends) for ends in self.wide])
         index = [i % n if closed else i for i, n, closed in zip(index, block.shape, block.periodic)]
         self.P, y = block.periods, problem.places_at(k, index).reshape(d, -1)

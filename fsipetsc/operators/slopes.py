@@ -24,8 +24,24 @@ from fsipetsc.kernels.kernel import SHARED
 from fsipetsc.kernels.loops import each, otherwise, pick, when
 from fsipetsc.operators.sbp import OPERATORS, Array, Band
 
-#: pairs: half the order of the operator in a kernel of nodes inside, else 0; reach: largest m
-Near = tuple[int, int]
+
+class Stencil(NamedTuple):
+    """Which neighbours a kernel takes. pairs: half the order of the operator in a kernel of nodes
+    inside, else 0; reach: largest m.
+    """
+
+    pairs: int
+    reach: int
+
+    @property
+    def suffix(self) -> str:
+        """What distinguishes the name of a kernel of nodes inside."""
+        return "_inside" if self.pairs else ""
+
+    @property
+    def both(self) -> tuple["Stencil", "Stencil"]:
+        """Those of kernels of any nodes and of nodes inside, from the latter."""
+        return Stencil(0, self.reach), self
 
 
 class Axis(NamedTuple):
@@ -49,11 +65,11 @@ class Axis(NamedTuple):
         return found | {"w_0": self.columns[0, i:], "row": self.weights.shape[0]}
 
 
-def axis_of(band: Band, near: Near, places: Any = None) -> Axis:
-    """The neighbours of the nodes of an axis; near: of nodes inside. places: where the nodes are in
-    memory, (n,); None: they lie side by side.
+def axis_of(band: Band, stencil: Stencil, places: Any = None) -> Axis:
+    """The neighbours of the nodes of an axis; stencil: of nodes inside. places: where the nodes are
+    in memory, (n,); None: they lie side by side.
     """
-    pairs, reach = near
+    pairs, reach = stencil
     n, m = len(band.weight), np.arange(1, reach + 1)
     i, S = np.arange(n)[:, None], np.zeros((1 + reach, n + reach))
     S[: 1 + band.reach, reach:] = band.S[: 1 + reach]
@@ -74,12 +90,12 @@ def axis_of(band: Band, near: Near, places: Any = None) -> Axis:
     return Axis(weights, far, columns, inside)
 
 
-def slope(kernel, f, layout, axis, near, count=1, first=0, free=False, apart=""):
+def slope(kernel, f, layout, axis, stencil, count=1, first=0, free=False, apart=""):
     """D of so many numbers f along the axis of a number, or D° if it is free. In a kernel of nodes
     that are not all inside, weights along axis 0 differ from node to node, and what is beyond the
     end of a row is read, but does not count. apart: of other axes, what ``far`` is multiplied by.
     """
-    pairs, reach = near
+    pairs, reach = stencil
     here, found = () if pairs else kernel.read(f, layout, count, first), (0.0,) * count
     for m in range(pairs or reach):
         far = (f"far_{axis}[{number}]" + (apart if axis else "") for number in (m, reach + m))
@@ -90,9 +106,9 @@ def slope(kernel, f, layout, axis, near, count=1, first=0, free=False, apart="")
             found = along(found, w, sub(ahead, behind))
             continue
         both = []
-        for number, far in (m, ahead), (reach + m, behind):
+        for number, there in (m, ahead), (reach + m, behind):
             (w,) = kernel.read(f"w_{axis}", SHARED if axis else "{c} * row + {i}", 1, number)
-            more = scale(w, add(far, here) if free else sub(far, here))
+            more = scale(w, add(there, here) if free else sub(there, here))
             both.append(more if axis else choose(w != 0.0, more, (0.0,) * count))
         found = add(found, sub(*both))
     return found

@@ -28,7 +28,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from fsipetsc.equations.gas import NEAR
+from fsipetsc.equations.gas import NEAR, Primitive, named
 from fsipetsc.equations.tensors import outer
 from fsipetsc.equations.vectors import add, along, mean, scale, sub
 from fsipetsc.kernels.arrays import zeros
@@ -69,8 +69,9 @@ class GasSweep(Sweep):
     """
 
     def __init__(self, gas, d, kernels, bands, patch):
-        far = 1 + kernels.viscous
-        super().__init__(gas, d, kernels, bands, patch, TILES[d - 1], far, far)
+        stages_before = 1 + kernels.viscous
+        of_stages = stages_before, stages_before
+        super().__init__(gas, d, kernels, bands, patch, TILES[d - 1], *of_stages)
         x, _, last = in_order(bands, d)
         *others, (begin, beyond), (_, end) = self.ranges
         self.steps = order(last.S, (*others, (begin, beyond), (begin, end)))
@@ -87,9 +88,10 @@ class GasSweep(Sweep):
         around = {"source": part.grid.source.reshape(1, part.X.shape[1])} if part.around else {}
         self.begin(part, found, y, q, f, **around)
         self.weight = in_order([part.weight[k] for k in range(3)], self.d)
-        far = 1 + self.kernels.viscous
+        stages_before = 1 + self.kernels.viscous
         viscous = [(partial(self.run, self.kernels.fluxes), 1, 1)] * self.kernels.viscous
-        self.take(self.steps, ((self.load, 0, 0), *viscous, (self.rates, far, far - 1)))
+        rates = self.rates, stages_before, stages_before - 1
+        self.take(self.steps, ((self.load, 0, 0), *viscous, rates))
 
     def rates(self, x, n, y, z):
         """Add the fluxes of the pairs that begin in a row, from one before the tile on, and store
@@ -119,19 +121,19 @@ class GasSweep(Sweep):
                 self.pairs(axis, (x, y, z), to, s * beside, self.weight[0][x:], n)
 
     def along(self, x, n, y, z):
-        of_row = self.weight[1][y] * self.weight[2][z]
+        row_weight = self.weight[1][y] * self.weight[2][z]
         for m in each(self.spans.shape[0]):
             k = self.spans[m, 0]
             begin = np.maximum(self.spans[m, 1], x - k)
             count = np.minimum(self.spans[m, 2], x + n) - begin
             with when(count > 0):
                 ends = (begin, y, z), (begin + k, y, z)
-                self.pairs(0, *ends, of_row, self.part.S[0, k, begin:], count)
+                self.pairs(0, *ends, row_weight, self.part.S[0, k, begin:], count)
 
-    def pairs(self, axis, lower, upper, of_row, of_node, n):
+    def pairs(self, axis, lower, upper, row_weight, node_weight, n):
         """Add the fluxes of n pairs of nodes along an axis, from a lower and an upper node on."""
         metrics, d, kernels, tile = self.part.metrics, self.d, self.kernels, self.tile
-        given = {"of_row": of_row, "of_node": of_node, "p": self.p, "N": self.N}
+        given = {"row_weight": row_weight, "node_weight": node_weight, "p": self.p, "N": self.N}
         given["low"] = self.low[0, lower[0] - self.x0 + self.margin :]
         given["high"] = self.row(tile.high, *upper)
         for side, at in (("l", lower), ("r", upper)):
@@ -148,32 +150,39 @@ class GasSweep(Sweep):
                 kernels.far_pairs(n, **given)
 
     def close(self, x, n, y, z):
-        of_row = 1.0 / (self.weight[1][y] * self.weight[2][z])
-        given = {"low": self.low[0, x - self.x0 + self.margin :], "of_row": of_row}
+        per_row_weight = 1.0 / (self.weight[1][y] * self.weight[2][z])
+        given = {"per_row_weight": per_row_weight, "per_node_weight": self.per_weight[x:]}
+        given["low"] = self.low[0, x - self.x0 + self.margin :]
         given["supplied"] = self.supplied[self.own_at(x, y, z) :]
-        self.kernels.rates(n, of_node=self.per_weight[x:], **given, **self.given(x, y, z))
+        self.kernels.rates(n, **given, **self.given(x, y, z))
         self.store(x, n, y, z)
 
 
-def gas_kernels(gas, d, form, viscous, moves, near):
-    """All kernels of a gas in d dimensions; near: of nodes inside. far_pairs: None where the form
-    does not tell pairs apart; fluxes: viscous ones of any nodes, and of those inside.
+def gas_kernels(gas, d, form, viscous, moves, stencil):
+    """All kernels of a gas in d dimensions; stencil: of nodes inside. far_pairs: None where the
+    form does not tell pairs apart; fluxes: viscous ones of any nodes, and of those inside.
     """
-    sums, of_node = d + 2 + d * form.raises, d + 5 + viscous * (1 + bool(gas.around))
-    rows = {"w": of_node, "high": sums + moves, "z": viscous * (d + 1), "s": viscous * d * (d + 1)}
+    sums, of_w = d + 2 + d * form.raises, d + 5 + viscous * (1 + bool(gas.around))
+    rows = {"w": of_w, "high": sums + moves, "z": viscous * (d + 1), "s": viscous * d * (d + 1)}
+    at_pressure = columns_beside(d)[1] if viscous else Primitive._fields.index("p")
     return SimpleNamespace(
-        near=near,
+        stencil=stencil,
         load=_load(gas, d, viscous, sums + moves),
         near_pairs=_pair(gas, d, form, viscous, moves, True),
         far_pairs=_pair(gas, d, form, viscous, moves, False) if form.entropy else None,
-        rates=_rates(gas, d, sums, moves, d + 6 if viscous else 1),
+        rates=_rates(gas, d, sums, moves, at_pressure),
         ends=ends_of(d + 3),
         dof=d + 3,
-        fluxes=tuple(_viscous(gas, d, of) for of in ((0, near[1]), near) if viscous),
+        fluxes=tuple(_viscous(gas, d, of) for of in stencil.both if viscous),
         viscous=viscous,
         raises=form.raises,
         numbers=rows,
     )
+
+
+def columns_beside(d):
+    """Where rows w of a viscous gas have, after its d + 5 variables, J and p - tau_o."""
+    return d + 5, d + 6
 
 
 def _load(gas, d, viscous, sums):
@@ -184,7 +193,7 @@ def _load(gas, d, viscous, sums):
     kernel.store("w", ROWS, w)
     kernel.store("high", ROWS, (0.0,) * sums)
     if viscous:
-        kernel.store("w", ROWS, q[:1], d + 5)
+        kernel.store("w", ROWS, q[:1], columns_beside(d)[0])
         kernel.store("z", ROWS, gas.entropy_variables(w))
     return kernel
 
@@ -200,10 +209,10 @@ def _pair(gas, d, form, viscous, moves, near):
     gas = kernel.parameters(gas)
     l, r = kernel.read("l", ROWS, d + 5), kernel.read("r", ROWS, d + 5)
     a_l, a_r = kernel.read("a_l", PLANES, d), kernel.read("a_r", PLANES, d)
-    of_row, (of_node,) = kernel.number("of_row"), kernel.read("of_node", ROWS, 1)
+    row_weight, (node_weight,) = kernel.number("row_weight"), kernel.read("node_weight", ROWS, 1)
     if form.entropy:
         apart = gas.pair_distance(l, r) > NEAR
-        of_node = np.where(apart, *((0.0, of_node) if near else (of_node, 0.0)))
+        node_weight = np.where(apart, *((0.0, node_weight) if near else (node_weight, 0.0)))
         kernel.count(apart)
     g = 0.0
     if moves:
@@ -212,52 +221,59 @@ def _pair(gas, d, form, viscous, moves, near):
         g = gas.volume_flux(a_l, v_l, a_r, v_r)
     rise = 0.0
     if form.raises:
-        (low,), (high,) = kernel.read("potential_l", ROWS, 1), kernel.read("potential_r", ROWS, 1)
-        rise = high - low
+        (Phi_l,), (Phi_r,) = (kernel.read(f"potential_{side}", ROWS, 1) for side in "lr")
+        rise = Phi_r - Phi_l
     both = form.pair(gas, l, r, a_l, a_r, g, rise, near)
     if viscous:
         s = mean(kernel.read("s_l", ROWS, d + 1), kernel.read("s_r", ROWS, d + 1))
         both = tuple((F[0], *sub(F[1 : d + 2], s), *F[d + 2 :]) for F in both)
     if moves:
         both = tuple((*F, -g) for F in both)
-    less, more = (scale(of_row * of_node, numbers) for numbers in both)
+    less, more = (scale(row_weight * node_weight, numbers) for numbers in both)
     low, high = (kernel.read(name, ROWS, len(less)) for name in ("low", "high"))
     kernel.store("low", ROWS, sub(low, less))
     kernel.store("high", ROWS, add(high, more))
     return kernel
 
 
-def _rates(gas, d, sums, moves, push):
-    """push: where w has what acts around an axis."""
+def _rates(gas, d, sums, moves, at_pressure):
+    """at_pressure: where w has p - tau_o, which acts around an axis."""
     kernel = Kernel("gas_rates", "J_t, the rates of J rho, J rho u, J E, the force, of a row.")
-    of_row, (of_node,) = kernel.number("of_row"), kernel.read("of_node", ROWS, 1)
+    per_row_weight = kernel.number("per_row_weight")
+    (per_node_weight,) = kernel.read("per_node_weight", ROWS, 1)
     total = add(*(kernel.read(name, ROWS, sums + moves) for name in ("low", "high")))
-    total = scale(of_row * of_node, total)
+    total = scale(per_row_weight * per_node_weight, total)
     mass, *momentum, energy = total[: d + 2]
     if gas.around:
-        (p,), (source,) = kernel.read("w", ROWS, 1, push), kernel.read("source", PLANES, 1)
-        momentum[-1] = momentum[-1] + p * source
+        (push,), (source,) = (
+            kernel.read("w", ROWS, 1, at_pressure),
+            kernel.read("source", PLANES, 1),
+        )
+        momentum[-1] = momentum[-1] + push * source
     kernel.store("k", ROWS, (total[-1] if moves else 0.0, mass, *momentum, energy))
     if sums > d + 2:
         kernel.store("supplied", f"{{c}} + {{i}} * {d + 1}", (*total[d + 2 : sums], 0.0))
     return kernel
 
 
-def _viscous(gas, d, near):
+def _viscous(gas, d, stencil):
     says = "The viscous fluxes a^k . f_v of all axes k of a row's nodes."
-    kernel = Kernel("gas_viscous" + "_inside" * (near[0] > 0), says)
+    kernel = Kernel("gas_viscous" + stencil.suffix, says)
     gas, w = kernel.parameters(gas), kernel.read("w", ROWS, d + 5)
-    (J,) = kernel.read("w", ROWS, 1, d + 5)
+    at_J, at_pressure = columns_beside(d)
+    (J,) = kernel.read("w", ROWS, 1, at_J)
     areas = [kernel.read("metrics", PLANES, d, k * d) for k in range(d)]
-    slopes = [slope(kernel, "z", ROWS, k, near, d + 1, apart=f" * {d + 1} * ROW") for k in range(d)]
+    of_z = {"count": d + 1, "apart": f" * {d + 1} * ROW"}
+    slopes = [slope(kernel, "z", ROWS, k, stencil, **of_z) for k in range(d)]
     scaled, inverse = outer(slopes[0][:-1], areas[0]), scale(slopes[0][-1], areas[0])
     for D_z, area in zip(slopes[1:], areas[1:], strict=True):
         scaled, inverse = add(scaled, outer(D_z[:-1], area)), along(inverse, D_z[-1], area)
     scaled, inverse = scale(1.0 / J, scaled), scale(1.0 / J, inverse)
-    e = w[2 + d] * kernel.read("source", PLANES, 1)[0] / J if gas.around else 0.0
+    u_r = gas.velocity(w)[-1]
+    e = u_r * kernel.read("source", PLANES, 1)[0] / J if gas.around else 0.0
     (stress, of_hoop), heat = gas.viscous_stress(w, scaled, inverse, e), gas.conduction(w, inverse)
     if gas.around:
-        kernel.store("w", ROWS, (w[1] - of_hoop,), d + 6)
+        kernel.store("w", ROWS, (named(w).p - of_hoop,), at_pressure)
     for k, area in enumerate(areas):
         kernel.store("s", ROWS, gas.viscous_flux(w, stress, heat, area), k * (d + 1))
     return kernel

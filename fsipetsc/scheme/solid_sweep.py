@@ -20,7 +20,7 @@ from fsipetsc.equations.tensors import add_unit, apply, column_sums, product, tr
 from fsipetsc.equations.vectors import add, along, dot, scale, total
 from fsipetsc.kernels.kernel import OWNED, PLANES, ROWS, Kernel
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.operators.slopes import slope
+from fsipetsc.operators.slopes import Stencil, slope
 from fsipetsc.scheme.sweep import Sweep, ends_of, in_order, order
 
 #: most nodes of a tile along the first axis, and most rows, for d = 1, 2, 3
@@ -68,16 +68,15 @@ def solid_kernels(solid, d, order, prestressed):
     """All kernels of a solid in d dimensions; order: of the operators. strains, pulls, rates:
     those of any nodes, and of those inside of a block. conduct: one, or none without conduction.
     """
-    reach = OPERATORS[order].reach
-    near, inside = (0, reach), (order // 2, reach)
-    both = near, inside
+    stencil = Stencil(order // 2, OPERATORS[order].reach)
+    both = stencil.both
     return SimpleNamespace(
-        near=inside,
+        stencil=stencil,
         load=_load(d),
         strains=tuple(_strain(solid, d, of) for of in both),
         pulls=tuple(_pull(solid, d, of, prestressed) for of in both),
         rates=tuple(_accelerate(solid, d, of) for of in both),
-        conduct=(_conduct(solid, d, near),) * (solid.kappa > 0.0),
+        conduct=(_conduct(solid, d, both[0]),) * (solid.kappa > 0.0),
         ends=ends_of(2 * d + 1),
         dof=2 * d + 1,
         numbers=numbers_of(d) | {"strains": len(solid.unstrained((0.0,) * d))},
@@ -89,10 +88,10 @@ def numbers_of(d):
     return {"unknowns": 2 * d + 1, "tractions": d * d, "temperatures": 1, "heats": d}
 
 
-def _slopes(kernel, near, f, first, count, free=False):
+def _slopes(kernel, stencil, f, first, count, free=False):
     """D_k of so many planes of f for each axis k, which begin at its number of ``first``."""
     apart, every = f" * {numbers_of(len(first))[f]} * ROW", enumerate(first)
-    return total(slope(kernel, f, ROWS, k, near, count, at, free, apart) for k, at in every)
+    return total(slope(kernel, f, ROWS, k, stencil, count, at, free, apart) for k, at in every)
 
 
 def _load(d):
@@ -101,29 +100,29 @@ def _load(d):
     return kernel
 
 
-def _strain(solid, d, near):
+def _strain(solid, d, stencil):
     says = "F = 1 + 1/J0 sum_k D_k D A^k, with the stretch of hoops."
-    kernel = Kernel("solid_strain" + "_inside" * (near[0] > 0), says)
+    kernel = Kernel("solid_strain" + stencil.suffix, says)
     solid = kernel.parameters(solid)
-    kernel.store("out", OWNED, _found_strain(kernel, solid, d, near))
+    kernel.store("out", OWNED, _found_strain(kernel, solid, d, stencil))
     return kernel
 
 
-def _found_strain(kernel, solid, d, near):
+def _found_strain(kernel, solid, d, stencil):
     A, (J0,) = kernel.read("metrics", PLANES, d * d), kernel.read("metrics", PLANES, 1, d * d)
-    D_D = _slopes(kernel, near, "unknowns", (0,) * d, d)
+    D_D = _slopes(kernel, stencil, "unknowns", (0,) * d, d)
     gradient = scale(1.0 / J0, product(transpose(D_D), A))
     D = kernel.read("unknowns", ROWS, d) if solid.around else ()
     R = kernel.read("metrics", PLANES, 1, d * d + 1)[0] if solid.around else 0.0
     return solid.with_hoops(add_unit(1.0, gradient), D, R)
 
 
-def _pull(solid, d, near, prestressed):
+def _pull(solid, d, stencil, prestressed):
     """Add a prestress S to P, and take its energy S : (F - 1)/m0 from that of which T is made."""
     says = "F, T, and the tractions t^k = (P + S) A^k with a prestress S."
-    kernel, conducts = Kernel("solid_pull" + "_inside" * (near[0] > 0), says), solid.kappa > 0.0
+    kernel, conducts = Kernel("solid_pull" + stencil.suffix, says), solid.kappa > 0.0
     solid, A = kernel.parameters(solid), kernel.read("metrics", PLANES, d * d)
-    F, v = _found_strain(kernel, solid, d, near), kernel.read("unknowns", ROWS, d, d)
+    F, v = _found_strain(kernel, solid, d, stencil), kernel.read("unknowns", ROWS, d, d)
     if conducts or solid.around:
         kernel.store("strains", ROWS, F)
     (e,) = kernel.read("unknowns", ROWS, 1, 2 * d)
@@ -141,27 +140,27 @@ def _pull(solid, d, near, prestressed):
     return kernel
 
 
-def _conduct(solid, d, near):
+def _conduct(solid, d, stencil):
     kernel = Kernel("solid_conduct", "A^k . h with grad T = 1/J0 sum_k A^k D_k T.")
     solid = kernel.parameters(solid)
     A, (J0,) = kernel.read("metrics", PLANES, d * d), kernel.read("metrics", PLANES, 1, d * d)
-    D_T = _slopes(kernel, near, "temperatures", (0,) * d, 1)
+    D_T = _slopes(kernel, stencil, "temperatures", (0,) * d, 1)
     gradient = scale(1.0 / J0, apply(transpose(A), D_T))
     F = kernel.read("strains", ROWS, len(solid.unstrained((0.0,) * d)))
     kernel.store("heats", ROWS, apply(A, solid.heat_flux(F, gradient)))
     return kernel
 
 
-def _accelerate(solid, d, near):
+def _accelerate(solid, d, stencil):
     says = "The rates v, Div P/m0 + b, Div (P^T v + h)/m0 + b . v."
-    kernel = Kernel("solid_rates" + "_inside" * (near[0] > 0), says)
+    kernel = Kernel("solid_rates" + stencil.suffix, says)
     conducts, solid = solid.kappa > 0.0, kernel.parameters(solid)
     per_mass = 1.0 / (kernel.read("metrics", PLANES, 1, d * d)[0] * solid.m0)
     v, t = kernel.read("unknowns", ROWS, d, d), kernel.read("tractions", ROWS, d * d)
-    force = column_sums(_slopes(kernel, near, "tractions", range(0, d * d, d), d, True))
-    power = dot(v, force) + dot(t, _slopes(kernel, near, "unknowns", (d,) * d, d))
+    force = column_sums(_slopes(kernel, stencil, "tractions", range(0, d * d, d), d, True))
+    power = dot(v, force) + dot(t, _slopes(kernel, stencil, "unknowns", (d,) * d, d))
     if conducts:
-        power = power + total(_slopes(kernel, near, "heats", range(d), 1, True))
+        power = power + total(_slopes(kernel, stencil, "heats", range(d), 1, True))
     acceleration = along(solid.force, per_mass, force)
     if solid.around:
         F = kernel.read("strains", ROWS, len(solid.unstrained((0.0,) * d)))

@@ -130,7 +130,7 @@ class Sweep(SimpleNamespace):
         self.layers = kept * bands[2].reach + 1
         rows, ring = (np.arange(len(band.weight)) for band in bands[1:])
         places = None, rows, ring % self.layers * self.depth
-        axes = [axis_of(band, kernels.near, at) for band, at in zip(bands, places, strict=True)]
+        axes = [axis_of(band, kernels.stencil, at) for band, at in zip(bands, places, strict=True)]
         there = in_order(range(3), d)[:d]
         self.inside = tuple(axes[k].inside if k in there else None for k in range(3))
         self.axes, count = in_order(axes, d)[:d], self.layers * self.depth
