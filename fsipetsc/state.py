@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from mpi4py import MPI
@@ -11,16 +11,22 @@ from fsipetsc.errors import FsiError
 from fsipetsc.kernels.procedure import Calls, Procedure
 from fsipetsc.process.together import agree, together
 from fsipetsc.scheme import plan
-from fsipetsc.scheme.plan import FRACTIONS, STAGES
+from fsipetsc.scheme.plan import FRACTIONS, SOLUTION, STAGES
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
 FAULT = 1000.0
 
 
+class OfRates(NamedTuple):
+    """A procedure of a phase which takes the rates alone."""
+
+    procedure: Procedure
+
+
 class State:
     """A solution and all that belongs to it: steps, checkpoints, errors. All is collective.
 
-    Stages 0 to 3 of a step begin with the solution, and STAGES is the solution that comes of them.
+    Stages 0 to 3 of a step begin with the solution; SOLUTION is the one that comes of them.
     A method has arrays y, this rank's part of the solution, and `changing`, which steps change and
     stages do not follow from; shapes of the grids of layers; parts, number of a layer -> what this
     rank has of it. It says
@@ -44,7 +50,7 @@ class State:
     evaluations: of the right-hand side.
 
     phases: name, or name_n for stage n -> procedures and exchanges in their order, of the stage
-    and its rates; (procedure,) is of the rates alone:
+    and its rates, or `OfRates`:
 
         data        set the data of its time, which C knows
         fulfil      let it obey all conditions
@@ -67,15 +73,16 @@ class State:
         self._made: dict[Any, Calls] = {}
         names = "data", "fulfil", "advance"
         calls = [one for n in range(STAGES) for name in names for one in self._calls(name, n)]
-        calls += [*self._calls("fulfil", STAGES), *self._calls("complete", STAGES), (planning, ())]
-        self._whole_step = Calls(library, calls)
+        calls += [*self._calls("fulfil", SOLUTION), *self._calls("complete", SOLUTION)]
+        self._whole_step = Calls(library, [*calls, (planning, ())])
 
     def _calls(self, name: str, n: int, f: np.ndarray | None = None) -> list[Any]:
         """The calls of a phase of stage n: procedure, vectors."""
         (y, after), found = self.vectors(n), []
         rates = after if f is None else f
         for one in self.phases.get(f"{name}_{n}", self.phases.get(name, ())):
-            procedure, vectors = (one[0], (rates,)) if isinstance(one, tuple) else (one, (y, rates))
+            alone = isinstance(one, OfRates)
+            procedure, vectors = (one.procedure, (rates,)) if alone else (one, (y, rates))
             if not getattr(procedure, "empty", False):
                 found.append((procedure, vectors[: len(procedure.vectors)]))
         return found
@@ -106,13 +113,13 @@ class State:
 
     def finish(self) -> None:
         """Complete the solution that PETSc, or the case, has made."""
-        self.load(STAGES, self.solution.getArray())
-        self._do("fulfil", STAGES)
+        self.load(SOLUTION, self.solution.getArray())
+        self._do("fulfil", SOLUTION)
         self.solution.stateIncrease()
         self.complete()
 
     def complete(self) -> None:
-        self._do("complete", STAGES)
+        self._do("complete", SOLUTION)
 
     def keep(self) -> None:
         self._kept = [array.copy() for array in self.changing]
@@ -126,7 +133,7 @@ class State:
         else:
             self.set_data(float(self.batch[plan.TIME]))
             self._whole_step(self.results[plan.BAD :], self.batch[plan.ALLOWED :])
-            self.show(STAGES)
+            self.show(SOLUTION)
         self.evaluations += STAGES * max(1, int(self.batch[plan.MADE]))
 
     def step_in_parts(self, parts: int) -> None:
@@ -145,13 +152,13 @@ class State:
         for n, part in enumerate(FRACTIONS):
             self.set_data(t + part * dt)
             self._do("fulfil", n)
-            if n == STAGES and ends:
+            if n == SOLUTION and ends:
                 self.complete()
             if n > 0 and look is not None:
                 self.show(n)
                 if found := look():
                     return found
-            if n < STAGES:
+            if n < SOLUTION:
                 self._do("advance", n)
         return None
 

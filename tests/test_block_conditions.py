@@ -173,7 +173,7 @@ def test_a_wall_that_slides_along_itself_drags_gas():
 def test_a_wall_at_rest_has_no_velocity_across_itself():
     with Steps(between_walls(lambda X, Y, t: (0.5, 0.2 * X), 8), order=4) as run:
         with pytest.raises(InputError, match=r"velocity of NoSlip .* across the wall"):
-            run.particles.prescribed.check_motion(1.0)
+            run.system.prescribed.check_motion(1.0)
     with pytest.raises(InputError, match="velocity is given, and x is not"):
         NoSlip(velocity=lambda X, Y, t: (0.5, 0.0), slip_length=1.0)
 

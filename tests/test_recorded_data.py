@@ -37,7 +37,7 @@ def data_of(state):
     records = [vars(of).values() for of in faces]
     faces = [of for record in records for of in record if isinstance(of, np.ndarray)]
     forcing = [part.forcing for part in parts if part.forcing is not None]
-    prescribed = state.particles.prescribed
+    prescribed = state.system.prescribed
     return [*prescribed.data, *faces, *forcing]
 
 
@@ -47,7 +47,7 @@ def asked_and_recorded(state, t):
     state.set_initial()
     complete(state, t, state.y)
     recorded = [array.copy() for array in data_of(state)]
-    state.particles.prescribed.refresh(t)
+    state.system.prescribed.refresh(t)
     for part in state.parts.values():
         part.refresh(t)
     return [array.copy() for array in data_of(state)], recorded
@@ -59,7 +59,7 @@ def test_recorded_data_are_those_of_python(kind, t):
     """But for derivatives of motions that are not given, to a few times round-off."""
     state = state_of(timed.build(USUAL | {"timed_kind": kind}))
     asked, recorded = asked_and_recorded(state, t)
-    data = state.particles.prescribed.data
+    data = state.system.prescribed.data
     rates = {data._fields.index(name) for name in ("wall", "wall_rate", "clamp_rate")}
     changed = 0
     for number, (one, other) in enumerate(zip(asked, recorded, strict=True)):
@@ -78,8 +78,8 @@ def test_velocity_and_acceleration_of_a_wall_are_exact_derivatives(t):
         state = state_of(at_wall(x, velocity, lambda t: 1.0 + 0.1 * t))
         _, _ = asked_and_recorded(state, t)
         complete(state, t, state.y)
-        prescribed = state.particles.prescribed
-        (p,) = np.flatnonzero(state.particles.record.facts.moves)
+        prescribed = state.system.prescribed
+        (p,) = np.flatnonzero(state.system.record.facts.moves)
         found = (array[p, 0] for array in prescribed.data[:3])
         wanted = x(t), v(t), -w * w * x(t)
         np.testing.assert_allclose(list(found), wanted, rtol=1e-15, atol=2e-16)
@@ -106,7 +106,7 @@ def test_python_is_asked_for_other_functions(name):
     said = notes(BEGIN, Moment(state, {"ts_dt": 1.0, "fsi_cfl": 1.0}, 0.0, set()))[0]
     assert "in each stage" in said and why in said
     complete(state, 0.3, state.y)
-    found = state.particles.record
+    found = state.system.record
     assert found.data.place[found.facts.moves == 1, 0] == x(0.3)
 
 

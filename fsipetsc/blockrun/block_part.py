@@ -104,13 +104,15 @@ class BlockPart(Part):
         gas, turned = self.block.kind == "fluid", list[Any]()
         nodes, counts = self.nodes_of([face[:2] for face in acting])
         n = nodes["own"].size
-        pressure, heat, more = np.zeros((3, n))
+        pressure, heat, stress, width, slip = np.zeros((5, n))
         if gas:
-            own = {"outside": np.zeros((n, self.d + 2)), "width": more, "add_node": pass_face}
+            own = {"outside": np.zeros((n, self.d + 2)), "width": width, "slip": slip}
         else:
             traction, normal = np.zeros((2, n, self.d))
-            own = {"traction": traction, "normal": normal, "stress": more, "add_node": load_face}
-        faces = Faces(**nodes, **own, pressure=pressure, heat=heat, effect=effect)
+            own = {"traction": traction, "normal": normal, "stress": stress}
+        add_node = pass_face if gas else load_face
+        of_all = {"pressure": pressure, "heat": heat, "effect": effect, "add_node": add_node}
+        faces = Faces(**nodes, **own, **of_all)
         ends = pairwise(accumulate(counts, initial=0))
         for (axis, side, condition, _), (begin, end) in zip(acting, ends, strict=True):
             rows = np.arange(begin, end)
@@ -122,7 +124,7 @@ class BlockPart(Part):
             if getattr(condition, "slip_length", None) is not None:
                 step = int(np.prod(self.block.shape[:axis])) * (-1 if side else 1)
                 beside = np.linalg.norm(X - self.problem.places(self.k, numbers + step), axis=1)
-                self._slips.append((X, faces.width[begin:end], beside))
+                self._slips.append((X, faces.slip[begin:end], beside))
             if effect.first_order:
                 low, high = (self.block.face_positions(axis, at) for at in (0, 1))
                 faces.width[rows] = np.linalg.norm(high - low, axis=0).mean()
@@ -221,7 +223,7 @@ class BlockPart(Part):
     def _record(self, functions: Sequence[Any]) -> None:
         self.free, found = in_order(self.inner, self.d), self.about.found
         self.code, self.does = Code(f"#define ROW {self.volume.width}\n"), dict[str, Procedure]()
-        takes = {**vars(self), "part": self, "particles": self.about.system.record}
+        takes = {**vars(self), "part": self, "record": self.about.system.record}
         takes |= {"self": getattr(self, "grid", None), "gain": found.gain, "found": found}
         for f in functions:  # they take what their parameters name, methods the grid
             given = [takes[p] for p in inspect.signature(f).parameters if p in takes]

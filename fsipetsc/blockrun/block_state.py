@@ -27,7 +27,7 @@ from fsipetsc.particles.system import ParticleSystem
 from fsipetsc.process.together import agree, libraries, together
 from fsipetsc.scheme.monitor import MONITORED
 from fsipetsc.scheme.observables import PLACES, VELOCITIES
-from fsipetsc.scheme.plan import RATE, STAGES
+from fsipetsc.scheme.plan import RATE, SOLUTION, STAGES
 from fsipetsc.scheme.recorded_data import set_data, timed
 from fsipetsc.state import State
 
@@ -82,7 +82,7 @@ class BlockState(State):
         self._lay_journal(saved.step_record(problem, len(self.recorded)))
         self.changing = self.y, self.results, self.batch
         self.bounds = np.zeros((len(problem.blocks), 2))
-        self.particles = ParticleSystem(layout, particles, self._instant, gain)
+        self.system = ParticleSystem(layout, particles, self._instant, gain)
         at = saved.slices(self.latest.dtype)
         found = SimpleNamespace(y=self.y, stages=tuple(self._now[1:]), total=zeros(size), gain=gain)
         found.plan, found.results, found.latest = self.plan, self.results, self.latest_numbers
@@ -91,7 +91,7 @@ class BlockState(State):
         found.pace = max(1.0, shock * PACE_AT_SHOCKS[order])
         ends = (at.get(f"{name}_interface", slice(0)) for name in ("x", "u", "sigma", "T"))
         found.at_ends = tuple(self.latest_numbers[end] for end in ends)
-        about = SimpleNamespace(layout=layout, opt=opt, particles=particles, system=self.particles)
+        about = SimpleNamespace(layout=layout, opt=opt, particles=particles, system=self.system)
         about.found, about.columns = found, {name: where.start for name, where in at.items()}
         kinds = {"fluid": GasPart, "solid": SolidPart}
 
@@ -115,30 +115,30 @@ class BlockState(State):
         comm, layout, parts = self.comm, self.layout, self.parts.values()
         calling = Code(EXCHANGES)
         does: dict[str, Any] = procedures_of_steps(calling, found)
-        having = () if self.problem.steady_data else (*parts, self.particles.prescribed)
+        having = () if self.problem.steady_data else (*parts, self.system.prescribed)
         of_data = [timed(part.sources) for part in having]
         self._ask([why for _, refused in of_data for why in refused])
         sources = [some for some, _ in of_data if some and not self.asked]
         data = [Code() for _ in sources]
         for code, some in zip(data, sources, strict=True):
             code.procedure("set_data", set_data, tuple(some), found.time)
-        codes = [*(part.code for part in parts), *data, self.particles.code, calling]
+        codes = [*(part.code for part in parts), *data, self.system.code, calling]
         loaded = libraries(comm, [code.text for code in codes], announce)
         for code, library in zip(codes, loaded, strict=True):
             code.load(library)
         does["reduce"] = Reduction(comm, found.extremes)
-        members = self.particles.sums, self.particles.areas, self.particles.stored
+        members = self.system.sums, self.system.areas, self.system.stored
         exchanges = [layout.halos, *members, *(part.inside for part in parts), does["reduce"]]
         exchanges += [gas.gather for gas in self._gases]
         self._data = [code.procedures[0] for code in data]
-        self.phases = phases(layout, [*parts], self.particles, does, self._data)
+        self.phases = phases(layout, [*parts], self.system, does, self._data)
         self._take_calls(calling.library, does["plan_next"], exchanges)
         if not self.asked:  # as data of a wall that begins with an infinite acceleration
             self._fill(0.0)
             every = [(one.about, of) for some in sources for one in some for of in one.targets]
             bad = [about for about, of in every if not np.isfinite(of).all()]
             self._ask([f"{what}: it is not finite at t = 0" for what in bad])
-        self.particles.begin()
+        self.system.begin()
         for gas in self._gases:  # the metrics where nothing has moved
             for name in ("edge", "move", "find_volumes"):
                 gas.does[name]()
@@ -186,12 +186,12 @@ class BlockState(State):
                     block_values(part.block, "exact", part.X[:, part.owned], 0.0)
             self.set_data(0.0)
             if t_end is not None:
-                self.particles.prescribed.check_motion(t_end)
+                self.system.prescribed.check_motion(t_end)
 
         together(self.comm, fill)
         self._auxiliary[:] = 0.0
-        self._do("share", STAGES)
-        self._do("grid", STAGES)
+        self._do("share", SOLUTION)
+        self._do("grid", SOLUTION)
         for gas in self._gases:
             gas.begin_at_walls(self.owned(gas.k))
         agree(self.comm, self.fault)
@@ -204,7 +204,7 @@ class BlockState(State):
         if first or (self.asked and instant != self._filled):
             self._filled = instant
             try:
-                for one in (self.particles.prescribed, *self.parts.values()):
+                for one in (self.system.prescribed, *self.parts.values()):
                     one.refresh(t)
             except InputError as error:
                 if first:
@@ -234,7 +234,7 @@ class BlockState(State):
 
     def complete(self) -> None:
         super().complete()
-        self._do("inside", STAGES)
+        self._do("inside", SOLUTION)
         self._shown = self.y
         saved.note_nodes(self, self._noted)
 

@@ -25,7 +25,7 @@ from fsipetsc.scheme.dissipation import AT_SHOCKS, GasDamping, SolidDamping, sig
 from fsipetsc.scheme.face_terms import normals
 from fsipetsc.scheme.gas_sweep import GasSweep, gas_kernels
 from fsipetsc.scheme.gas_terms import CONSERVED, add_force, convection_of
-from fsipetsc.scheme.monitor import COLUMNS, MONITORED
+from fsipetsc.scheme.monitor import MONITORED, ROOM_COLUMNS
 from fsipetsc.scheme.part import images, rates
 from fsipetsc.scheme.solid_sweep import SolidSweep, solid_kernels
 
@@ -64,7 +64,7 @@ class GasPart(BlockPart):
         potential = self.volume.potential
         potential[:] = -dot(self.laws.force, self.X)[: potential.size]
         self.terms = (of_gas.add_ends,) * self.moves + self.terms
-        self.room = np.zeros((MONITORED + len(vars(self.columns)), COLUMNS))
+        self.room = np.zeros((MONITORED + len(vars(self.columns)), ROOM_COLUMNS))
         kinds, self.masses = self.problem.kinds[self.k].items(), self.H
         faces = [face for face, what in kinds if not isinstance(what, Centre)]
         self.ends = SimpleNamespace(**self.nodes_of(faces)[0])
@@ -176,10 +176,10 @@ class SolidPart(BlockPart):
         self.terms = *dissipation, *self.terms
         self.add_sources(of_solid.book_force, of_solid.supply)
         self.added = bool(dissipation) or self.forcing is not None
-        members, (rows, nodes, _) = about.system.record, about.system.own(self.k)
+        record, (rows, nodes, _) = about.system.record, about.system.own(self.k)
         at = self.patch.ghosted_rows(self.rows(nodes))
-        members.weight[rows] *= self.inertia[at]
-        wanted = slice(None) if members.stores else slice(0)
+        record.weight[rows] *= self.inertia[at]
+        wanted = slice(None) if record.stores else slice(0)
         self.rows_of_stored, self.stored_at = rows[wanted], at[wanted]
         self.reads_ghosted |= bool(dissipation) or self.stored_at.size > 0
         ends = []  # in one dimension

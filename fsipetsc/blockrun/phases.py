@@ -20,6 +20,8 @@ from fsipetsc.particles.system import ParticleSystem
 from fsipetsc.scheme import monitor
 from fsipetsc.scheme import plan as stages
 from fsipetsc.scheme.recorded_data import set_time
+from fsipetsc.scheme.sweep import LAST, RATES, STAGE
+from fsipetsc.state import OfRates
 
 
 def procedures_of_steps(code: Code, found: Any) -> dict[str, Any]:
@@ -27,41 +29,42 @@ def procedures_of_steps(code: Code, found: Any) -> dict[str, Any]:
     of_step = monitor.begin_monitor, monitor.note_extremes, monitor.note_gained
     wanted: dict[str, Any] = {f.__name__: (f, found) for f in of_step}
     wanted["plan_next"] = stages.plan_next, found.plan
-    wanted["begin_rates"] = partial(stages.begin_stage, None), found
+    wanted["begin_rates"] = partial(stages.begin_stage, RATES, 0), found
     for n in range(stages.STAGES):
-        wanted[f"begin_{n}"] = partial(stages.begin_stage, n), found
+        kind = LAST if n == stages.STAGES - 1 else STAGE
+        wanted[f"begin_{n}"] = partial(stages.begin_stage, kind, n), found
         wanted[f"stage_{n}"] = partial(stages.advance, n), found
         wanted[f"time_{n}"] = partial(set_time, stages.FRACTIONS[n]), found
     return {name: code.procedure(name, *one) for name, one in wanted.items()}
 
 
 def phases(
-    layout: BlockLayout, parts: Sequence[Any], particles: ParticleSystem, does: Any, data: Any
+    layout: BlockLayout, parts: Sequence[Any], system: ParticleSystem, does: Any, data: Any
 ) -> dict[str, list[Any]]:
     """Return the ``phases`` of fsipetsc.state.
 
     does: procedures of steps, and what reduces extremes. data: those that fill recorded data.
     """
-    does = {**does, **particles.does}
+    does = {**does, **system.does}
 
-    def each(name: str) -> list[Any]:
+    def of_parts(name: str) -> list[Any]:
         return [part.does[name] for part in parts if name in part.does]
 
-    sums, areas, slips = particles.sums, particles.areas, particles.record.slips
+    sums, areas, slips = system.sums, system.areas, system.record.slips
     with_halo = [part for part in parts if part.halo.size]
     inside = [part.inside for part in with_halo]
     read = [part.inside for part in with_halo if part.reads_ghosted]
-    halos, images = layout.halos, each("images")
+    halos, images = layout.halos, of_parts("images")
     fill = [halos, *read, *images]  # owned nodes of ghosted arrays too where they are read
-    follow = [*each("follow"), *(part.gather for part in parts if part.block.kind == "fluid")]
+    follow = [*of_parts("follow"), *(part.gather for part in parts if part.block.kind == "fluid")]
     reduce = [does["reduce"]] * (layout.comm.size > 1)
-    normals = [*each("normals"), areas, does["end_normals"]] if slips else []
+    normals = [*of_parts("normals"), areas, does["end_normals"]] if slips else []
     moving = [part for part in parts if part.moves]
     edge, move = ([part.does[name] for part in moving] for name in ("edge", "move"))
-    swing, stored = each("swing"), list[Any]()
-    if particles.record.stores:
-        stored = [*move, does["begin_stored"], *fill, *each("store")]
-        stored += [particles.stored, does["weigh_heat"]]
+    swing, stored = of_parts("swing"), list[Any]()
+    if system.record.stores:
+        stored = [*move, does["begin_stored"], *fill, *of_parts("store")]
+        stored += [system.stored, does["weigh_heat"]]
     # where walls slip, conditions change velocities, which grids follow
     imposed = [does["impose_conditions"], *(follow if slips else [])]
     share = [does["weigh"], sums, does["end_sums"], *follow, *edge]
@@ -71,18 +74,18 @@ def phases(
         "share": share,
         "fulfil": [*share, *normals, *stored, *imposed],
         "grid": [*move, *swing],
-        "complete": [does["begin_monitor"], *fill, *grid, *each("monitor"), *reduce,
+        "complete": [does["begin_monitor"], *fill, *grid, *of_parts("monitor"), *reduce,
             does["note_extremes"], does["note_gained"]],
         "halos": [halos, *inside, *images],
         "inside": [one for one in inside if one not in read],
     }  # fmt: skip
-    rates = [*fill, *grid, *each("turn"), *each("rates")]
+    rates = [*fill, *grid, *of_parts("turn"), *of_parts("rates")]
     # exchanged after the rates, so that no rank waits while another one moves its grid
     rates += [areas, does["end_turning"]] if slips else []
-    rates += [(does["weigh"],), sums, does["end_rates"]]
+    rates += [OfRates(does["weigh"]), sums, does["end_rates"]]
     found["rates"] = [does["begin_rates"], *rates]
     for n in range(stages.STAGES):
-        found[f"advance_{n}"] = [does[f"begin_{n}"], *rates, (does[f"stage_{n}"],)]
+        found[f"advance_{n}"] = [does[f"begin_{n}"], *rates, OfRates(does[f"stage_{n}"])]
         # a stage at the time of that before has its data
         new = data and stages.FRACTIONS[n] != stages.FRACTIONS[n - 1]
         found[f"data_{n}"] = [does[f"time_{n}"], *data] if new else []

@@ -24,7 +24,7 @@ RANGES = dict.fromkeys(("T", "T0", "rho", "p0", "slip_length"), POSITIVE)
 RANGES |= dict.fromkeys(("heat_flux", "stress", "pressure", "x", "u0", "velocity"), ANY)
 #: column of the record of faces (fsipetsc.scheme.face_terms) -> names of the data in it
 COLUMNS = {"heat": ("heat_flux",), "pressure": ("pressure",), "stress": ("stress",)}
-COLUMNS |= {"width": ("slip_length",), "outside": ("rho", "u", "T")}
+COLUMNS |= {"slip": ("slip_length",), "outside": ("rho", "u", "T")}
 
 
 class Checked:
@@ -209,7 +209,7 @@ class NoSlip(Warm, Moving):
         """The force -mu/l (u - w) |n| across n; w: velocity of the wall, l: the slip length."""
         past = sub(gas.velocity(w), face.wall)
         past = along(past, -dot(past, face.n) / (face.size * face.size), face.n)
-        return scale(-gas.mu * gas.transport.viscosity(w[2]) * face.size / face.width, past)
+        return scale(-gas.mu * gas.transport.viscosity(w[2]) * face.size / face.slip, past)
 
 
 @dataclass(frozen=True, kw_only=True)

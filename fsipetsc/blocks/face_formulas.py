@@ -20,8 +20,8 @@ class FaceNode(NamedTuple):
 
     n: outward area vector per unit of the reference coordinates, size: |n|; g: n . v of the grid's
     velocity v; wall: v where the face goes with the grid, else 0. beyond: (rho, p, u, T) outside;
-    pressure: as given; width: of the gas behind the face, or the slip length; rise: outward
-    derivative of the outward velocity, None where order is 0.
+    pressure: as given; width: length of the gas behind the face; slip: the slip length; rise:
+    outward derivative of the outward velocity, None where order is 0.
     """
 
     n: Any
@@ -31,6 +31,7 @@ class FaceNode(NamedTuple):
     beyond: Any
     pressure: Any
     width: Any
+    slip: Any
     rise: Any
 
 

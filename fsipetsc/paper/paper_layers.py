@@ -18,12 +18,12 @@ from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
 from fsipetsc.operators.sbp import SBPOperator, row_length
 from fsipetsc.paper.ends import OF_GAS
-from fsipetsc.paper.rates import ROWS, Gas
+from fsipetsc.paper.rates import SCRATCH_ROWS, Gas
 from fsipetsc.paper.stencils import halo_of_rates
 from fsipetsc.parallel.block_shares import Extent, Share, share_out
 from fsipetsc.parallel.exchange import RowExchange
 from fsipetsc.problem import Problem
-from fsipetsc.scheme.monitor import COLUMNS
+from fsipetsc.scheme.monitor import ROOM_COLUMNS
 
 #: points by which a gas may grow, beside an eighth of its own
 SPARE = 16
@@ -202,7 +202,7 @@ def layers_of(comm, problem, opt, op, steps):
         v.numbers, v.owned = np.arange(*v.own), v.local[:, slice(*v.own)]
         v.runs = runs[sum(dof for dof, _ in shapes[:k]) :][: len(v.local)]
         v.forcing = np.zeros(shape) if layer.forcing is not None else None
-        v.scratch = np.zeros((ROWS, max(size + halo, COLUMNS)))
+        v.scratch = np.zeros((SCRATCH_ROWS, max(size + halo, ROOM_COLUMNS)))
         at_right = v.is_gas and k == 0  # X are counted from the interface
         v.X = layer.X[at_right] + (v.numbers - hi * at_right) * h
         found.append(v)

@@ -35,7 +35,7 @@ from fsipetsc.parallel.exchange import EXCHANGES, Reduction
 from fsipetsc.problem import Problem, check_place
 from fsipetsc.process.together import agree, libraries, together
 from fsipetsc.scheme.observables import SERIES, record
-from fsipetsc.scheme.plan import OFF_GRID, STAGES, advance, plan_next
+from fsipetsc.scheme.plan import OFF_GRID, SOLUTION, STAGES, advance, plan_next
 from fsipetsc.state import State
 
 #: procedures of a layer by name
@@ -236,7 +236,7 @@ class PaperState(State):
 
     def complete(self) -> None:
         super().complete()
-        self.show(STAGES)
+        self.show(SOLUTION)
 
     def begin(self) -> None:
         self._halos()

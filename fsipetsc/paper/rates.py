@@ -33,8 +33,8 @@ from fsipetsc.paper.stencils import STIFFNESS, add_remainder, derivatives, near_
 from fsipetsc.scheme.monitor import rate_of, survey
 from fsipetsc.scheme.plan import BAD, OFF_GRID, RATE, SAID_STOP, STOP
 
-#: rows of scratch, and with those of what is added to rates
-SCRATCH, ROWS = 12, 16
+#: rows of scratch: of work, and with those of what is added to rates
+WORK_ROWS, SCRATCH_ROWS = 12, 16
 #: of the points 0 to 3: coefficients of delta, delta^2 ... in the integral from the ghost point (0)
 #: to the boundary (delta) of the cubic through them
 STRIP = np.array([[24, -22, 8, -1], [0, 36, -20, 3], [0, -18, 16, -3], [0, 4, -4, 1]]) / 24.0
@@ -70,7 +70,7 @@ def added_to_rates(layer):
     """What is added to rates, (unknowns, points), or None: the forcing, then narrow terms."""
     if not layer.narrow:
         return layer.forcing
-    (a, b, _, _), rows = layer.span, layer.scratch[SCRATCH:]
+    (a, b, _, _), rows = layer.span, layer.scratch[WORK_ROWS:]
     for c in each(layer.local.shape[0]):
         for i in each(a, b, vector=True):
             rows[c, i] = 0.0 if layer.forcing is None else layer.forcing[c, i]
@@ -154,7 +154,7 @@ def gas_rates(layer):
 def narrow_gas(layer, w, k, span):
     """Add what narrow derivatives of (u, T), rows 0 and 1 of scratch w, make of the rates."""
     op, gas, (u, T) = layer.op, layer.material, (w[0], w[1])
-    mu, mu_u, kappa, *scratch = (w[c] for c in range(7, SCRATCH))
+    mu, mu_u, kappa, *scratch = (w[c] for c in range(7, WORK_ROWS))
     for i in each(*widened(span, 2 * op.p), vector=True):
         viscosity = gas.viscosity(T[i])
         mu[i], mu_u[i], kappa[i] = viscosity, viscosity * u[i], gas.conductivity(T[i])

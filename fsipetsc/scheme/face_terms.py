@@ -42,9 +42,9 @@ def add_areas(part, table, areas, less=None):
             table[faces.row[i], faces.column[i] + c] += faces.weight[i] * area
 
 
-def normals(part, particles):
+def normals(part, record):
     """Add area vectors of faces to the table of members at constraints."""
-    add_areas(part, particles.of_normals, part.metrics)
+    add_areas(part, record.of_normals, part.metrics)
 
 
 def turn_plane(part, table):
@@ -86,8 +86,8 @@ class Faces(SimpleNamespace):
     effect: that of their conditions. add_node: `pass_face` of a gas, `load_face` of a solid.
 
     Of a gas: outside: (n, d + 2), (rho, u, T) beyond. pressure: (n,) beyond an outflow, 0 for one
-    that is supersonic. width: (n,) length [m] of the gas behind an open face of first order, or the
-    slip length of a wall, else 0. Of a solid: traction: (n, d) per area at rest, pressure: (n,)
+    that is supersonic. width: (n,) length [m] of the gas behind an open face of first order. slip:
+    (n,) slip length [m] of a wall. Of a solid: traction: (n, d) per area at rest, pressure: (n,)
     that follows the face, stress: (n,) pulls where waves leave. normal: (n, d) area vectors of the
     face as it is, in three dimensions, which `turned` find.
     """
@@ -122,7 +122,7 @@ def pass_face(part, faces, i, q, rates, gain):
     """Add what passes the face at its i-th node."""
     d, own, column = len(part.like), faces.own[i], faces.column[i]
     per_weight, across, entering = faces.per_weight[i], faces.across[i], []
-    w, face = seen_at(part, faces, i, q)
+    w, face = face_at(part, faces, i, q)
     if faces.effect.by.leaving:
         entering.append(scale(-1.0, faces.effect.by.leaving(part.laws, w, face)))
     if faces.effect.by.traction:
@@ -141,7 +141,7 @@ def pass_face(part, faces, i, q, rates, gain):
         gain.energy[column] += across * energy
 
 
-def seen_at(part, faces, i, q):
+def face_at(part, faces, i, q):
     """Return the state of the gas at the i-th node of the faces, and the face there."""
     gas, d, at, axis, sign = part.laws, len(part.like), faces.at[i], faces.axis[i], faces.sign[i]
     like, out, rise = (0.0,) * d, faces.outside, None
@@ -152,7 +152,7 @@ def seen_at(part, faces, i, q):
         slope = slope_at(part, at, axis, lambda n: gas.velocity(gas_at(part, q, n)))
         rise = sign / q[at, 0] * dot(n, slope)
     wall = v if faces.effect.moves else like
-    data = wall, beyond, faces.pressure[i], faces.width[i], rise
+    data = wall, beyond, faces.pressure[i], faces.width[i], faces.slip[i], rise
     return w, FaceNode(n, np.sqrt(dot(n, n)), dot(n, v), *data)
 
 

@@ -110,15 +110,15 @@ def add_force(part, q, ghosted, rates, gain):
 # procedures of a part in a step
 
 
-def follow(part, particles):
+def follow(part, record):
     """Note displacement and velocity of the particles here by which the grid moves."""
-    follows, known, data, d = part.follows, part.known, particles.data, len(part.like)
+    follows, known, data, d = part.follows, part.known, record.data, len(part.like)
     for m in each(follows.shape[0]):
         n, row = follows[m], part.follower_rows[m]
-        alone = (particles.facts.moves[n] == 1) & (particles.solid_mass[n] == 0.0)
+        alone = (record.facts.moves[n] == 1) & (record.solid_mass[n] == 0.0)
         for c in range(d):
-            known[row, c] = np.where(alone, data.place[n, c], particles.D[n, c])
-            known[row, d + c] = np.where(alone, data.wall[n, c], particles.v[n, c])
+            known[row, c] = np.where(alone, data.place[n, c], record.D[n, c])
+            known[row, d + c] = np.where(alone, data.wall[n, c], record.v[n, c])
 
 
 def move(part):
@@ -128,9 +128,9 @@ def move(part):
         find_potential(part)
 
 
-def turn(part, particles):
+def turn(part, record):
     """Add how area vectors at constraints turn."""
-    table, d = particles.of_normals, len(part.like)
+    table, d = record.of_normals, len(part.like)
     if d == 3:
         part.grid.turn()
         add_areas(part, table, part.grid.ahead, part.grid.back)

@@ -15,16 +15,18 @@ from fsipetsc.scheme.part import rows_of
 from fsipetsc.scheme.plan import BAD, RATE, SAID_STOP, STOP
 
 #: columns of a room
-COLUMNS = 64
+ROOM_COLUMNS = 64
 #: how many extremes a block has: 1 if a state is unphysical, largest rates of convection and of
 #: diffusion [1/s], minus the least J, largest |J - det D x| / J; the places of two of them
 MONITORED, CONVECTION, LEAST_J = 5, 1, 3
 
 
-def survey(room, least, rows, see, columns=COLUMNS):
+def survey(room, least, rows, see, columns=ROOM_COLUMNS):
     """Return variables with the extremes of all nodes, each at least ``least``, and a dict: name ->
-    variable with a sum. rows: one loop, which yields begin, end and more of nodes begin … end - 1.
-    see(i, more): the extremes of a node, of which NaN is none, and a dict: name -> what is summed.
+    variable with a sum. rows: one loop, which yields begin, end and more of nodes begin … end - 1:
+    [(a, b, None)] of a layer; of a block 0, n and where a row of n nodes begins, one row after the
+    other. see(i, more): the extremes of a node, of which NaN is none, and a dict: name -> what is
+    summed.
     """
     room[: len(least), :columns], room[len(least) :, :columns] = -np.inf, 0.0
     for begin, end, more in rows:

@@ -15,7 +15,7 @@ and what fsipetsc.blockrun.block_state has.
 import numpy as np
 
 from fsipetsc.kernels.loops import each, when, whole
-from fsipetsc.scheme.sweep import LAST, RATES, STAGE
+from fsipetsc.scheme.sweep import LAST
 
 # where what stands among the results of a completed step
 #: OFF_GRID: 1 + number of a layer that has run off its grid, or that is too short; SAID_STOP: what
@@ -31,15 +31,15 @@ TIME, DT, NEXT, TARGET, COURANT, FIXED, ALLOWED, MADE, LONGEST, FIRST, BATCH = r
 
 #: a step may be longer than its bound by this fraction, so that round-off costs no extra step
 SLACK = 1e-9
-STAGES = 4
+#: stages of a step; the number of the solution that comes of them
+STAGES = SOLUTION = 4
 #: times of the stages, and of what comes of them, in steps
 FRACTIONS = 0.0, 0.5, 0.5, 1.0, 1.0
 
 
-def begin_stage(number, found):
-    """What sweeps store from now on: the stage of this number, or rates. Nothing came in yet."""
-    kind, dt = LAST if number == 3 else STAGE, found.plan.batch[DT]
-    found.stage[0] = float(RATES if number is None else kind)
+def begin_stage(kind, number, found):
+    """Let sweeps store this kind from now on, of the stage of this number. Nothing came in yet."""
+    dt, found.stage[0] = found.plan.batch[DT], float(kind)
     found.stage[1] = dt / 6.0 if kind == LAST else dt if number == 2 else 0.5 * dt
     found.gain.numbers[:] = 0.0
 

@@ -16,7 +16,7 @@ from fsipetsc.scheme.monitor import observe
 from fsipetsc.scheme.part import book, ghosted_planes, nodes_of, owned_planes
 
 
-def store(part, particles, y):
+def store(part, record, y):
     """Tell particles what members of a solid store: energy per mass [J/kg] that is neither kinetic
     nor heat. See fsipetsc.particles.system.
     """
@@ -25,7 +25,7 @@ def store(part, particles, y):
         at, energy = part.stored_at[i], 0.0
         if not part.laws.coupled:
             energy = stored_energy(part, strain_at(part, q, at), at)
-        particles.stored[rows[i], 0] = energy
+        record.stored[rows[i], 0] = energy
 
 
 def book_force(part, q, ghosted, rates, gain):
