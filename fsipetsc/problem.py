@@ -103,7 +103,7 @@ class SolidLayer(_Layer):
     Args:
         name: as of `FluidLayer`.
         material: a `Solid`.
-        X: (left, right) [m]; the length is a multiple of `-fsi_h`.
+        X: (left, right) [m]; without `cells` the length is a multiple of `-fsi_h`.
         initial: `initial(X)` returns u [m/s], sigma [Pa], T [K], x [m]; x rises with X.
         forcing: `forcing(X, t)` returns the right-hand sides of the same, per second; None: 0.
         exact: as of `FluidLayer`.

@@ -47,8 +47,9 @@ class BlockState(State):
     and after kernels are compiled.
 
     y: this rank's part of the solution. recorded: nodes that are recorded at each step. bounds:
-    (blocks, 2), largest rates of convection and diffusion [1/s]; h: size of the smallest cells [m].
-    asked: Python is asked for data that depend on time, of which not_recorded says why.
+    (blocks, 2), largest rates of convection and diffusion [1/s]; h: mean size of the cells of the
+    finest block [m]. asked: Python is asked for data that depend on time, of which not_recorded
+    says why.
     """
 
     MOST_PARTS = 16

@@ -59,7 +59,7 @@ class Checked:
 
 
 class Condition(Checked):
-    """What stands at a face.
+    """What stands at a face: the type of all conditions.
 
     of: kinds of block that it is for. part: if it prescribes motion, what it is to a particle
     (fsipetsc.particles.members), "wall", "slip", "clamp", "roller"; all_given: it prescribes all

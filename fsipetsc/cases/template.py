@@ -10,6 +10,11 @@ it goes 0.054 m to the right and comes back; the period is 0.034 s. docs/cases.m
 case can say.
 """
 
+from collections.abc import Mapping
+from typing import Any
+
+from numpy.typing import NDArray
+
 # Conditions at the ends: Wall, Open, Dirichlet for a gas; clamped, free, absorbing for a solid.
 from fsipetsc import Fluid, FluidLayer, Option, Problem, Solid, SolidLayer, Wall
 
@@ -24,7 +29,7 @@ GAMMA, P0, T0 = 1.4, 1e5, 300.0  # of the gas: ratio of specific heats, pressure
 LEFT, RIGHT, END = 0.4, 0.6, 1.0  # the plate is between the first two, the tube ends at 0 and END
 
 
-def build(opt):
+def build(opt: Mapping[str, Any]) -> Problem:
     """The problem, for the options in force: opt["plate_speed"], opt["fsi_h"] and so on."""
     # A gas: viscosity [Pa s], heat conductivity [W/(m K)], gamma, gas constant R/M [J/(kg K)].
     # A solid: modulus 2 mu + lambda [Pa], heat conductivity, density [kg/m3], specific heat.
@@ -33,14 +38,14 @@ def build(opt):
     speed, density = opt["plate_speed"], P0 / (air.R * T0)
 
     # Initial data: functions of an array X of coordinates [m]. They return, for each unknown, an
-    # array of the same shape or one number.
-    def left_gas(X):
+    # array of the same shape or one number. Types are for mypy --strict; they may be left out.
+    def left_gas(X: NDArray[Any]) -> tuple[Any, ...]:
         return density, speed * X / LEFT, T0  # density, velocity, temperature
 
-    def right_gas(X):
+    def right_gas(X: NDArray[Any]) -> tuple[Any, ...]:
         return density, speed * (END - X) / (END - RIGHT), T0
 
-    def solid(X):
+    def solid(X: NDArray[Any]) -> tuple[Any, ...]:
         return speed, -P0, T0, X  # velocity, stress (as the gas presses), temperature, place
 
     # Layers from left to right: name, material, begin and end [m], initial data. A thin layer

@@ -145,10 +145,9 @@ class Run(Integrator):
         self.line(*(f"note: {text}" for text in notes(when, self._now)))
 
     def _say_what_runs(self) -> None:
-        state, h = self.state, self.opt["fsi_h"]
-        other = f" (smallest cells {state.h:.3g}{self.m})" if abs(state.h - h) > 0.01 * h else ""
+        state = self.state
         self.line(
-            f"{self.name}: order {state.op.name}, h = {h:g}{self.m}{other}, "
+            f"{self.name}: order {state.op.name}, h = {self.opt['fsi_h']:g}{self.m}, "
             f"{state.points} points on {counted(self.comm.size, 'rank')}, "
             f"to t = {self.opt['ts_max_time']:g}{self.s}"
         )

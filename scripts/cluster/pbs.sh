@@ -11,8 +11,8 @@ cd "$PBS_O_WORKDIR" || exit 2
 export OMP_NUM_THREADS=1
 # Open MPI 4 and 5: so long ranks may take to write their checkpoint [s]
 export OMPI_MCA_odls_base_sigkill_timeout=60 PRTE_MCA_odls_base_sigkill_timeout=60
-# PBS gives a job a few seconds when its time is over, so the run is stopped before
-timeout -s TERM "${LIMIT:-3h56m}" mpiexec --map-by core --bind-to core \
+# PBS gives a job a few seconds when its time is over, so the run is stopped 4 minutes before
+timeout -s TERM "${LIMIT:-236m}" mpiexec --map-by core --bind-to core \
     python -m fsipetsc $RUN -fsi_checkpoint_wall 600 -fsi_restart auto
 status=$?
 # SIGTERM has ended it, and the next job goes on; an error ends the chain
