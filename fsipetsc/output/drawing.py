@@ -22,18 +22,24 @@ Axes = Figure = Any  # of matplotlib, without which results are read, too
 
 BLUE, RED, GREEN, ORANGE, BLACK = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#222222"
 COLORS = {"fluid": BLUE, "solid": RED}
-#: quantity that has no sign -> its colour map
+#: quantity that has no sign -> its colour map; those of what has one, white where nothing happens
 PLAIN = {"p": "viridis", "rho": "cividis", "T": "inferno", "schlieren": "gray_r"}
-#: of lines on maps, seen on any colour
-OUTLINE = ("white", 1.8), ("black", 0.8)
+SIGNED = {"fluid": "RdBu_r", "solid": "PuOr_r"}
+#: of lines on maps, seen on any colour; of edges between two blocks of a solid
+OUTLINE, JOIN = (("white", 1.8), ("black", 0.8)), (("black", 0.3),)
 #: inches: width of all panels beside each other; height of a panel at most, of what stands above
 #: and below it, of a colour bar with its label
 WIDTH, HIGHEST, ABOVE, BAR = 10.2, 4.4, 0.4, 0.72
 MARGIN = 0.02  # of the extent, around it
 THIN = 0.2  # height over width; what is thinner is drawn higher than it is
-WIDE = 1.25  # width over height; of what is wider, two panels stand beside each other, else three
+#: width over height; of what is wider, two panels stand beside each other, of what is taller six
+WIDE, TALL = 1.25, 0.4
 STREAM = 150  # points along each side of a panel, between which streamlines go
 NOTHING = 1e-10  # of the values of a unit: what varies by less is round-off
+NEAR = 1e-3  # of values that span less of their size, one is subtracted
+ALIKE = 0.1  # span of values over the larger one; if gas and solid have more, they share colours
+BESIDE = 0.05  # of the span of values so much at least is on either side of white
+ROWS = 500  # of a map over x and t, at least
 
 STYLE: dict[Any, Any] = {
     "font.size": 9,
@@ -104,13 +110,13 @@ def extremes(*arrays: Array) -> tuple[float, float]:
     return (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
 
 
-def legend_above(axes: Axes, side: str = "left") -> None:
-    """Draw a legend above a panel, at this side of it, of five entries at most."""
+def legend_above(axes: Axes, side: str = "left", most: int = 5, columns: int = 2) -> None:
+    """Draw a legend above a panel, at this side of it, of so many entries at most."""
     entries: dict[str, Any] = dict(zip(*reversed(axes.get_legend_handles_labels())))
-    shown = [textwrap.shorten(name, 28, placeholder=" …") for name in entries][:5]
-    more = {"ncol": 1 if max(map(len, shown), default=0) > 12 else 2, "borderaxespad": 0.1}
+    shown = [textwrap.shorten(name, 28, placeholder=" …") for name in entries][:most]
+    columns = 1 if max(map(len, shown), default=0) > 12 else columns
     corner = {"loc": f"lower {side}", "bbox_to_anchor": (side == "right", 1)}
-    axes.legend([*entries.values()][:5], shown, **corner, **more)
+    axes.legend([*entries.values()][:most], shown, **corner, ncol=columns, borderaxespad=0.1)
 
 
 class Wanted(NamedTuple):
@@ -130,7 +136,9 @@ class View:
 
     labels   kind of layer that has the quantity -> label
     layers   those that have it, and in two and three dimensions solids
-    scales   label -> colour map and range, for frames after the start
+    base     kind of layer -> what is subtracted from values that vary by little, else 0
+    scales   kind of layer -> colour map and range, for frames after the start
+    bars     label of a colour bar -> the same
     limits   (left, right), (lower, upper) of a panel
     axes     labels of its two axes
     ratio    its width over its height
@@ -139,19 +147,18 @@ class View:
     def __init__(self, run: Run, name: str, frames: Sequence[int], wanted: Wanted = USUAL) -> None:
         self.run, self.name, self.wanted, self.frames = run, name, wanted, [*frames]
         self.plane, self.labels, self.unit = run.dimension > 1, there(run)[name], FIELDS[name][1]
-        kinds = {*self.labels, *["solid"] * self.plane}
+        kinds, self.base = {*self.labels, *["solid"] * self.plane}, dict.fromkeys(self.labels, 0.0)
         self.layers = [layer for layer in run.layers if layer.kind in kinds]
         known = [(layer.kind, k, self.at(layer, k)) for layer in self.layers for k in self.frames]
         found = zip(*(of for *_, of in known))
-        *ranges, (low, high) = np.array([extremes(*along) for along in found])
-        fields = [of for layer in run.layers for of in layer.frame(-1).items()]
-        same = [of for field, of in fields if unit_of(field) == self.unit]
-        size = max(map(abs, (low, high, *extremes(*same))))
-        late = [one for one in known if one[1] > 0 or len(self.frames) == 1]
-        self.scales = dict[str, dict[str, Any]]()
-        for label in self.labels.values():  # initial data may go far beyond what follows
-            shown = [of[-1] for kind, _, of in late if self.labels.get(kind) == label]
-            self.scales[label] = self._scale(label, size, shown)
+        *ranges, _ = np.array([extremes(*along) for along in found])
+        for some in [[kind] for kind in self.labels] if self.plane else [[*self.labels]]:
+            low, high = extremes(*(of[-1] for kind, _, of in known if kind in some))
+            if NOTHING * max(-low, high) < high - low < NEAR * max(-low, high):
+                base = round(float(low), int(-np.log10(high - low)) - 1)
+                self.base |= dict.fromkeys(some, base)
+                low, high = low - base, high - base
+        self._colour([(kind, k, of[-1] - self.base.get(kind, 0.0)) for kind, k, of in known])
         axis = "r" if run.header.get("symmetry") else "xyz"[run.dimension - 1]
         last = labelled(run, axis, "m")
         if self.plane:
@@ -161,52 +168,96 @@ class View:
         else:
             margin = 2 * MARGIN * (high - low) or 0.1 * abs(low) or 1.0
             self.limits = [ranges[0], np.array([low - margin, high + margin])]
-            title = "; ".join(dict.fromkeys(self.labels.values()))
-            title = labelled(run, title, self.unit).replace("; ", ",\n")
+            title = self._label([*self.labels]).replace("; ", ",\n")
             self.axes, self.ratio = (last, title), 1.6
+        self.across = 2 if self.ratio >= WIDE else 3 if self.ratio >= TALL else 6
+
+    def _label(self, kinds: Sequence[str], more: str = "") -> str:
+        """Return the label of these kinds, with what is subtracted, more, and the unit."""
+        label, base = (
+            "; ".join(dict.fromkeys(self.labels[kind] for kind in kinds)),
+            self.base[kinds[0]],
+        )
+        if len(kinds) < len(self.labels) and len({*self.labels.values()}) == 1:
+            label = f"{'gas' if kinds == ['fluid'] else 'solid'}: {label}"
+        less = f" less {base:.12g}".replace("-", "−") if base else ""
+        return labelled(self.run, label + less + more, self.unit)
 
     def at(self, layer: Layer, frame: int, more: str = "") -> list[Array]:
         """Return places of a frame, horizontal ones and of maps vertical ones, more fields, and
-        values. A block that closes, as an annulus does, ends with the nodes that it begins with. Of
-        three dimensions what lies in the middle of the second axis.
+        values. A periodic block ends with the nodes that it begins with, a period on. Of three
+        dimensions what lies in the middle of the second axis.
         """
         fields = layer.frame(frame)
         found = [fields[x] for x in ("x", "xy", "xz")[self.run.dimension - 1] + more]
-        has_it = layer.kind in self.labels
-        found.append(values_of(self.name, layer, fields) if has_it else np.nan * found[0])
+        values = np.nan * found[0]
+        if layer.kind in self.labels:
+            values = values_of(self.name, layer, fields) - self.base[layer.kind]
+        found.append(values)
         for axis in (0, 1) if self.run.dimension == 2 else ():
-            first, second, last = (layer.places.take(k, axis) for k in (0, 1, -1))
-            step, gap = (np.linalg.norm(of - first, axis=-1).max() for of in (second, last))
-            if layer.periodic[1 - axis] and gap < 3.0 * step:
-                found = [np.append(v, v.take([0], axis), axis) for v in found]
+            if layer.periodic[1 - axis]:
+                first, second, last = (layer.places.take(k, axis) for k in (0, 1, -1))
+                step, period = np.linalg.norm(second - first, axis=-1).max(), last - first
+                closed = np.linalg.norm(period, axis=-1).max() < 3.0 * step  # as an annulus is
+                period = [0.0, 0.0] if closed else (period + (second - first))[0]
+                moved = [*period, *[0.0] * (len(found) - 2)]
+                found = [np.append(v, v.take([0], axis) + P, axis) for v, P in zip(found, moved)]
         return [v[:, v.shape[1] // 2] if v.ndim == 3 else v for v in found]
 
     def size(self, count: int) -> tuple[int, float, float]:
         """Return columns, width of a panel and height of so many with their bars [inches]."""
-        columns = min(2 if self.ratio >= WIDE else 3, count)
+        columns = min(self.across, count)
         ratio = min(self.ratio, 1 / THIN)
         width = min(WIDTH / columns - 0.4, HIGHEST * ratio)
-        bars = BAR * len(self.scales) * self.plane + 0.45
+        bars = BAR * len(self.bars) * self.plane + 0.45
         return columns, width, -(-count // columns) * (width / ratio + ABOVE) + bars
 
-    def _scale(self, label: str, size: float, values: Sequence[Array]) -> dict[str, Any]:
-        """Return colour map and range, beyond which a few values may lie. What has both signs is
-        white at 0. Round-off, beside values of this size with the same unit, gets one colour.
+    def _colour(self, values: Sequence[tuple[str, int, Array]]) -> None:
+        """Make scales and bars, from kinds of layers, frames and values. Gas and solid share them
+        where their values are alike; what comes through to a solid may be little.
+        """
+        # initial data may go far beyond what follows
+        late = [one for one in values if one[1] > 0 or len(self.frames) == 1]
+        of_kind = {kind: [v for of, _, v in late if of == kind] for kind in self.labels}
+        spans = [np.ptp(extremes(*of)) for of in of_kind.values()]
+        stressed = {"stress" in label for label in self.labels.values()}
+        alike = len(stressed) == len({*self.base.values()}) == 1
+        alike = alike and min(spans) >= ALIKE * max(spans)
+        self.scales, self.bars = dict[str, dict[str, Any]](), dict[str, dict[str, Any]]()
+        for kinds in [[*of_kind]] if alike else [[kind] for kind in of_kind]:
+            scale, white = self._scale(kinds, [v for kind in kinds for v in of_kind[kind]])
+            self.scales |= dict.fromkeys(kinds, scale)
+            more = f", white: {white:.2g}".replace("-", "−") * bool(white)
+            self.bars[self._label(kinds, more)] = scale
+
+    def _scale(self, kinds: Sequence[str], values: Sequence[Array]) -> tuple[dict[str, Any], float]:
+        """Return colour map and range, beyond which a few values may lie, and what is white.
+
+        What has both signs is white at 0, stresses at what they are in most of a solid at first.
+        Round-off, beside what has the same unit, gets one colour.
         """
         low, high = extremes(*values)
+        same = [of for layer in self.run.layers for of in layer.frame(-1).items()]
+        beside = extremes(*(of for field, of in same if unit_of(field) == self.unit))
+        size = max(map(abs, (low, high, *beside)))
         shown = np.concatenate([v[np.isfinite(v)] for v in values])
         inner = np.percentile(shown, (0.1, 99.9)) if low < high else (low, high)
         if inner[1] - inner[0] > NOTHING * size:  # else what happens is in few places
             low, high = map(float, inner)
         if high - low <= NOTHING * size:
             low, high = (0.5 * (low + high) + sign * (0.1 * size or 1.0) for sign in (-1, 1))
-        stress = "stress" in label
-        colours = "cividis" if stress else PLAIN.get(self.name, "viridis")
-        signed = stress or self.name not in PLAIN
-        if signed and min(-low, high) > 0.05 * (high - low):
-            colours, high = "PuOr_r" if stress else "RdBu_r", max(-low, high)
-            low = -high
-        return {"cmap": colours, "vmin": low, "vmax": high}
+        white, kind = 0.0, "fluid" if "fluid" in kinds else "solid"
+        stress, colours = "stress" in self.labels[kind], PLAIN.get(self.name, "viridis")
+        if stress:
+            first = [self.at(layer, 0)[-1].ravel() for layer in self.layers if layer.kind in kinds]
+            white = float(f"{np.nanmedian(np.concatenate(first)):.2g}")
+            white *= abs(white) > BESIDE * (high - low)
+        beyond = min(white - low, high - white) > BESIDE * (high - low)
+        if (stress or self.name not in PLAIN) and beyond:
+            half = max(white - low, high - white)
+            return {"cmap": SIGNED[kind], "vmin": white - half, "vmax": white + half}, white
+        colours = "cividis" if kind == "solid" else colours
+        return {"cmap": colours, "vmin": low, "vmax": high}, 0.0
 
     def draw(self, axes: Axes, frame: int) -> None:
         """Draw one frame."""
@@ -220,7 +271,7 @@ class View:
         axes.set_aspect("equal" if self.ratio <= 1 / THIN else "auto")
         axes.grid(visible=False)
         for kind, of in found:
-            if scale := self.scales.get(self.labels.get(kind, "")):
+            if scale := self.scales.get(kind):
                 shown = *of[:2], np.ma.masked_invalid(of[-1])
                 axes.pcolormesh(*shown, shading="gouraud", rasterized=True, **scale)
                 levels = np.linspace(scale["vmin"], scale["vmax"], self.wanted.contours + 2)[1:-1]
@@ -232,12 +283,15 @@ class View:
             self._streamlines(axes, frame)
 
     def _outline(self, axes: Axes, solids: list[list[Array]]) -> None:
-        """Draw edges of solids that are not between two blocks, and a fine grid, which deforms."""
-        edges = [[v.take(end, k) for v in of] for of, k, end in product(solids, (0, 1), (0, -1))]
+        """Draw edges of solids, those between two blocks thin, and a fine grid, which deforms."""
+        sides = (*product((0, 1), (0, -1)),)
+        edges = [[v.take(end, k) for v in of] for of, (k, end) in product(solids, sides)]
         places = [frozenset(zip(*edge)) for edge in edges]
-        for edge, (color, width) in product(edges, OUTLINE):
-            if places.count(frozenset(zip(*edge))) == 1:
-                axes.plot(*edge, color=color, linewidth=width)
+        for edge, place in zip(edges, places):
+            blocks = [k // len(sides) for k, other in enumerate(places) if other == place]
+            if len({*blocks}) == len(blocks):  # else it is the seam of a ring
+                for color, width in OUTLINE if len(blocks) == 1 else JOIN:
+                    axes.plot(*edge, color=color, linewidth=width)
         for (x, y), axis in product(solids, (0, 1)):
             step = np.hypot(np.diff(x, axis=axis), np.diff(y, axis=axis)).mean()
             every = max(1, round(np.ptp(self.limits, axis=1).max() / (40 * step)))
@@ -269,8 +323,9 @@ class View:
 
 
 def frames_of(run: Run, name: str, times: Sequence[float] = ()) -> list[int]:
-    """Return the frames nearest to these times; if there are none, three or four of all, evenly."""
-    count = 4 if View(run, name, [run.nframes - 1]).ratio >= WIDE else 3
+    """Return the frames nearest to these times; if there are none, some of all, evenly."""
+    across = View(run, name, [run.nframes - 1]).across
+    count = 4 if across == 2 else across
     return sorted({run.at(t) for t in times or np.linspace(run.time[0], run.time[-1], count)})
 
 
@@ -280,7 +335,7 @@ def draw(figure: Figure, view: View) -> None:
     grid = panels(figure, len(view.frames), columns)
     for axes, frame in zip(grid, view.frames):
         view.draw(axes, frame)
-        axes.set_title(moment(view.run, frame), loc="left")
+        axes.set_title(moment(view.run, frame))  # at the left there may be a power of ten
         axes.label_outer()
         axes.locator_params(axis="x", nbins=min(4, int(1 + 2 * width)))
     if view.plane:
@@ -296,10 +351,10 @@ def draw_bars(figure: Figure, view: View, axes: Any) -> None:
 
     wide = isinstance(axes, list)
     size = {"aspect": 50, "shrink": 0.7} if wide else {"aspect": 25}
-    for label, scale in view.scales.items():
+    for label, scale in view.bars.items():
         colours = ScalarMappable(Normalize(scale["vmin"], scale["vmax"]), scale["cmap"])
         bar = figure.colorbar(colours, ax=axes, location="top", pad=0.02, **size)
-        bar.set_label(labelled(view.run, label, view.unit), loc="left")
+        bar.set_label(label, loc="left")
         bar.outline.set_visible(False)
         bar.ax.locator_params(nbins=6 if wide else 4)
 
@@ -309,6 +364,7 @@ def draw_over_time(figure: Figure, run: Run, names: Sequence[str]) -> None:
     gases of the paper's method, have what the nearest active point has.
     """
     grid = figure.subplots(1, len(names), sharex=True, sharey=True, squeeze=False)[0]
+    t = np.linspace(*run.time[[0, -1]], max(run.nframes, ROWS))
     for axes, name in zip(grid, names):
         view = View(run, name, range(run.nframes))
         for layer in view.layers:
@@ -316,9 +372,11 @@ def draw_over_time(figure: Figure, run: Run, names: Sequence[str]) -> None:
             active = [(x, values, np.isfinite(values)) for x, values in rows]
             x = X + [np.interp(X, X[at], (x - X)[at]) for x, _, at in active]
             values = [np.interp(X, X[at], values[at]) for _, values, at in active]
-            t = np.broadcast_to(run.time[:, None], x.shape)
-            scale = view.scales[view.labels[layer.kind]]
-            axes.pcolormesh(x, t, values, shading="gouraud", rasterized=True, **scale)
+            of_points = (np.transpose(of) for of in (x, values))  # triangles of few frames show
+            x, values = ([np.interp(t, run.time, one) for one in of] for of in of_points)
+            shown = np.transpose(x), np.repeat(t[:, None], len(x), axis=1), np.transpose(values)
+            scale = view.scales[layer.kind]
+            axes.pcolormesh(*shown, shading="gouraud", rasterized=True, **scale)
         lines = run.series.get("x_interface", np.empty((0, 0))).T
         for x, (color, width) in product(lines, OUTLINE):
             axes.plot(x, run.series["t"], color=color, linewidth=width)

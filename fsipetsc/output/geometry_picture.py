@@ -15,12 +15,12 @@ from fsipetsc.output import drawing
 from fsipetsc.output.info import Rows
 
 LINES = 24  # of the grid that are drawn, about, along each axis
-#: what is at a face -> how it is drawn, the last ones on top
-FACES: dict[str, dict[str, Any]] = {
-    "condition": {"linewidth": 2.0, "zorder": 3},
+#: what is between two blocks -> how it is drawn; conditions have a colour each
+BETWEEN: dict[str, dict[str, Any]] = {
     "join": {"color": drawing.BLACK, "linewidth": 1.2, "linestyle": (0, (4, 3)), "zorder": 4},
     "interface": {"color": drawing.BLACK, "linewidth": 2.0, "zorder": 5},
 }
+COLORS = (drawing.GREEN, drawing.ORANGE, "#cc79a7", "#56b4e9", "#f0e442", "#888888", "#8c510a")
 
 
 def _places(problem: BlockProblem, k: int) -> Array:
@@ -28,18 +28,17 @@ def _places(problem: BlockProblem, k: int) -> Array:
     return problem.places_at(k, mesh([np.arange(n + 1) for n in problem.blocks[k].cells])).T
 
 
-def _faces(problem: BlockProblem, k: int) -> dict[tuple[int, int], tuple[str, str]]:
-    """Return (axis, side) -> which of FACES is there, and its text; nothing on a periodic axis."""
-    block, found = problem.blocks[k], {}
+def _faces(problem: BlockProblem, k: int) -> dict[tuple[int, int], tuple[str, int | None]]:
+    """Return (axis, side) -> what is there, and the number of the block there, if one is; nothing
+    on a periodic axis.
+    """
+    block, found = problem.blocks[k], dict[tuple[int, int], tuple[str, int | None]]()
     for face, met in problem.kinds[k].items():
-        kind, text = "condition", type(met).__name__
+        found[face] = type(met).__name__, None
         if isinstance(met, BlockFace):
-            other = problem.blocks[met.block]
             shifted = isinstance(problem.faces.get((block.name, *face)), Periodic)
-            name = "join" if other.kind == block.kind else "interface"
-            kind, name = ("condition", "periodic") if shifted else (name, name)
-            text = f"{name} with {other.name}"
-        found[face] = kind, text
+            alike = problem.blocks[met.block].kind == block.kind
+            found[face] = "periodic" if shifted else "join" if alike else "interface", met.block
     return found
 
 
@@ -58,7 +57,11 @@ def geometry_rows(problem: BlockProblem) -> Rows:
         rows.append((block.name, f"{'gas' if block.kind == 'fluid' else 'solid'}, {sizes} nodes"))
         for axis in range(problem.dimension):
             every.append(np.linalg.norm(np.diff(X, axis=axis), axis=-1))
-            stands = [faces[axis, side][1] for side in (0, 1) if (axis, side) in faces]
+            there = [faces[axis, side] for side in (0, 1) if (axis, side) in faces]
+            stands = [
+                what if other is None else f"{what} with {problem.blocks[other].name}"
+                for what, other in there
+            ]
             text = f"from {' to '.join(stands)}" if stands else "periodic"
             rows.append((f"  axis {axis}", f"{span(every[-1])}; {text}"))
     nodes = sum(int(np.prod(block.shape)) for block in problem.blocks)
@@ -74,8 +77,15 @@ def draw_geometry(problem: BlockProblem, name: str, about: str) -> Path:
     with rc_context(drawing.STYLE):
         figure = Figure(figsize=(10.8, 3.4 if d == 1 else 7.0))
         view = figure.add_subplot(projection="3d" if d == 3 else None)
+        every = {
+            what for k in range(len(problem.blocks)) for what, _ in _faces(problem, k).values()
+        }
+        styles = {
+            what: {"color": color, "linewidth": 3.0, "zorder": 3}
+            for what, color in zip(sorted(every - {*BETWEEN}), COLORS * 9)
+        } | BETWEEN
         for k in range(len(problem.blocks)):
-            _draw_block(view, problem, k)
+            _draw_block(view, problem, k, styles)
         axes = [*"XYZ"[: d - 1], "r" if problem.symmetry else "XYZ"[d - 1]]
         view.set(**{f"{axis}label": f"{X}{m}" for axis, X in zip("xyz", axes)})
         view.grid(visible=False)
@@ -87,7 +97,7 @@ def draw_geometry(problem: BlockProblem, name: str, about: str) -> Path:
         else:
             view.set_aspect("equal")
         view.set_anchor("NW")
-        drawing.legend_above(view, "right")
+        drawing.legend_above(view, "right", most=12, columns=6)
         drawing.set_title(figure, f"{name}: {about}")
         return drawing.save(figure, Path(f"{name}-geometry.png"))
 
@@ -96,32 +106,29 @@ def _lines(X: Array, most: int = 1) -> Iterator[Array]:
     """Yield lines (n, d) of nodes along each axis: about so many of each, with 1 the edges."""
     for axis in range(X.ndim - 1):
         rows = np.moveaxis(X, axis, -2)
-        some = [slice(None, None, -(-(n - 1) // most)) for n in rows.shape[:-2]]
+        steps = [(n - 1, -(-(n - 1) // most)) for n in rows.shape[:-2]]
+        some = [slice(last % step // 2, None, step) for last, step in steps]
         yield from rows[tuple(some)].reshape(-1, *rows.shape[-2:])
 
 
-def _draw_block(view: drawing.Axes, problem: BlockProblem, k: int) -> None:
-    """Draw faces with their conditions; grid lines, or in three dimensions the edges."""
+def _draw_block(view: drawing.Axes, problem: BlockProblem, k: int, styles: dict[str, Any]) -> None:
+    """Draw a block and its faces; grid lines, or in three dimensions the edges."""
     block, X = problem.blocks[k], _places(problem, k)
     color = drawing.COLORS[block.kind]
     if X.ndim == 2:  # a strip of two dimensions
         X = np.stack(np.broadcast_arrays(X, [0.0, 0.5, 1.0]), axis=-1)
-    d = X.ndim - 1
+    d, label = X.ndim - 1, "gas" if block.kind == "fluid" else "solid"
     if d == 2:
         view.contourf(*X.T, 0.0 * X[..., 0].T, [-1, 1], colors=[color], alpha=0.15)
     for line in _lines(X, LINES if d == 2 else 1):
-        view.plot(*line.T, color=color, linewidth=0.5 * (d - 1), alpha=0.6, label=block.kind)
-    centre = X[tuple(n // 2 for n in X.shape[:-1])]
+        view.plot(*line.T, color=color, linewidth=0.5 * (d - 1), alpha=0.6, label=label)
+    for (axis, side), (what, other) in _faces(problem, k).items():
+        if what not in BETWEEN or other is None or other >= k:  # else it is drawn
+            for line in _lines(X.take(-side, axis)):
+                view.plot(*line.T, label=what, **styles[what])
+    centre, paper = (
+        X[tuple(n // 2 for n in X.shape[:-1])],
+        {"color": "white", "alpha": 0.7, "pad": 1.0},
+    )
     middle: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 9, "fontsize": 8}
-    view.text(*centre, block.name, color=color, weight="bold", **middle)
-    for (axis, side), (kind, text) in _faces(problem, k).items():
-        face, label = X.take(-side, axis), "" if kind == "condition" else kind
-        for line in _lines(face):
-            view.plot(*line.T, label=label, **{"color": color, **FACES[kind]})
-        place = face[tuple(n // 2 for n in face.shape[:-1])]
-        if kind == "condition" and d == 3:
-            view.text(*place, text, **middle)
-        elif kind == "condition":  # its name stands beside the block
-            out = (place - centre) / np.linalg.norm(place - centre)
-            more = {"rotation": 90 * (abs(out[0]) > abs(out[1])), "textcoords": "offset points"}
-            view.annotate(text, place, 8.0 * out, **more, **middle)
+    view.text(*centre, block.name, color=color, weight="bold", bbox=paper, **middle)

@@ -20,7 +20,7 @@ from fsipetsc.output import drawing
 from fsipetsc.output.drawing import USUAL, Figure, View, Wanted
 from fsipetsc.output.file_layout import writing
 from fsipetsc.output.info import info
-from fsipetsc.output.quantities import chosen, labelled, there, unit_of
+from fsipetsc.output.quantities import chosen, labelled, there, title_of, unit_of
 from fsipetsc.output.reader import Run, open_run
 from fsipetsc.scheme.observables import PLACE, SERIES, drifts
 
@@ -31,7 +31,8 @@ FILM_DPI, MOST_FRAMES, FILM_SECONDS = 100, 200, 10.0
 HTML_DPI = 110  # of pictures in a page of HTML
 CONTOURS = Option("contours", int, 0, "", "lines on each map", check="nonnegative")
 TIMES = Option("times", "floats", (), "s", "")
-PICTURES, FILMS = (".png", ".pdf", ".svg", ".jpg"), (".gif", ".mp4")
+PICTURES, FILMS = (".png", ".pdf", ".svg", ".jpg"), (".gif", ".mp4", ".webp")
+TITLES = {"xt": "space and time", "ledgers": "balances", "steps": "time steps"}
 #: panels that a page shows beside interfaces
 ENERGY, DEPARTURE, STEP = "change of energy", "relative departure", "time step"
 #: colours and line styles of curves in one panel, in turn
@@ -63,16 +64,21 @@ def plot(path: str, given: Mapping[str, str]) -> str:
         streamlines="-streamlines" in given,
     )
     where, stem, done = Path(given.get("-o", os.curdir)), Path(path).stem, list[Path]()
-    every, film = "-all" in given, "-animate" in given
+    every, film, films = "-all" in given, "-animate" in given, FFMpegWriter.isAvailable()
     endings = () if every else FILMS if film else PICTURES
     if where.suffix in {*PICTURES, *FILMS} - {*endings}:
-        raise InputError(f"plot: -o {where}: expected {' or '.join(['a directory', *endings])}")
+        others = ", or -animate" * (where.suffix in FILMS)
+        endings = " or ".join(["a directory", *endings])
+        raise InputError(f"plot: -o {where}: expected {endings}{others}")
+    if where.suffix == ".mp4" and not films:
+        raise InputError(f"plot: -o {where}: needs the program ffmpeg, which was not found")
     with open_run(path) as run, rc_context(drawing.STYLE), np.errstate(all="ignore"):
         for name, one in pictures(run, wanted).items() if every else ():
-            done.append(drawing.save(drawn(run, name, [one]), where / f"{stem}-{name}.png"))
+            picture = drawn(run, TITLES.get(name, title_of(run, name)), [one])
+            done.append(drawing.save(picture, where / f"{stem}-{name}.png"))
         if film:
-            kinds = FILMS if FFMpegWriter.isAvailable() else FILMS[:1]
-            targets = [where] if where.suffix in FILMS else [where / f"{stem}{k}" for k in kinds]
+            targets = [where / f"{stem}{kind}" for kind in FILMS[: 1 + films]]
+            targets = [where] if where.suffix in FILMS else targets
             done += [animate(run, target, wanted) for target in targets]
         if not done:
             target = where if where.suffix in PICTURES else where / f"{stem}.png"
@@ -217,9 +223,11 @@ def envelope(t: Array, values: Array, parts: int = 300) -> tuple[Array, Array]:
 
 
 def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
-    """Draw a film, .gif or .mp4, all frames with the same scales; return it. FileError."""
-    from matplotlib.animation import FuncAnimation
+    """Draw a film, all frames with the same scales; return it. FileError."""
+    from matplotlib.animation import FFMpegWriter
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from PIL import Image
 
     if run.nframes < 2:
         raise InputError(f"-animate: there are {run.nframes} frames: expected two or more")
@@ -241,10 +249,30 @@ def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
         view.draw(axes, 0)
         if plane:
             drawing.draw_bars(figure, view, axes)
-    figure.draw_without_rendering()
+    figure.set_dpi(FILM_DPI)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
     figure.set_layout_engine("none")  # only what is drawn moves from now on
+    rate = max(1.0, len(frames) / FILM_SECONDS)
+
+    def image(frame: int) -> Image.Image:
+        show(frame)
+        canvas.draw()
+        return Image.fromarray(np.array(canvas.buffer_rgba())[..., :3])
+
     with writing(target, "the film"):
-        name, rate = "pillow" if target.suffix == ".gif" else "ffmpeg", len(frames) / FILM_SECONDS
-        film = FuncAnimation(figure, show, frames, init_func=lambda: None)
-        film.save(target, name, max(1.0, rate), FILM_DPI)
+        if target.suffix == ".mp4":
+            film = FFMpegWriter(rate)
+            with film.saving(figure, target, FILM_DPI):
+                for frame in frames:
+                    show(frame)
+                    film.grab_frame()
+            return target
+        images = [image(frame) for frame in frames]
+        if target.suffix == ".gif":  # one palette, which has rare colours, too
+            sheet = Image.fromarray(np.concatenate(images[:: -(-len(images) // 8)]))
+            palette = sheet.quantize(method=Image.Quantize.MAXCOVERAGE)
+            images = [one.quantize(palette=palette, dither=Image.Dither.NONE) for one in images]
+        more = {"append_images": images[1:], "duration": 1e3 / rate, "loop": 0}
+        images[0].save(target, save_all=True, **more)
     return target

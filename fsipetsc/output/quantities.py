@@ -70,9 +70,13 @@ def there(run: Run) -> dict[str, dict[str, str]]:
         for name, (label, _) in FIELDS.items()
     }
     if "solid" in (p := labels["p"]):
-        both = dict.fromkeys(p, f"{FIELDS['p'][0]}; p − σ in solids")
-        p |= both if line else {"solid": "mean stress in solids"}
+        p["solid"] = f"{'p − σ' if line else 'mean stress'} in solids"
     return {name: of for name, of in labels.items() if of}
+
+
+def title_of(run: Run, name: str) -> str:
+    """Return the label of a quantity, of gases and of solids; another name as it is."""
+    return "; ".join(dict.fromkeys(there(run).get(name, {"": name}).values()))
 
 
 def chosen(run: Run, names: Sequence[str]) -> list[str]:
