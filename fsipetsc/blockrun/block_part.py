@@ -21,7 +21,7 @@ from fsipetsc.blocks.metrics import Curls
 from fsipetsc.checks import POSITIVE, block_values, checked, names_of, place_text
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
-from fsipetsc.kernels.procedure import Code, Procedure
+from fsipetsc.kernels.procedure import Code, Known, Procedure
 from fsipetsc.kernels.symbols import Symbol, numbers_of
 from fsipetsc.parallel.block_layout import Part
 from fsipetsc.scheme.face_terms import Faces, load_face, pass_face
@@ -51,7 +51,7 @@ class BlockPart(Part):
         super().__init__(**vars(part))
         self.about, self.problem, self.order = about, about.layout.problem, about.layout.order
         self.block = block = self.problem.blocks[part.k]
-        self.d = d = block.dimension
+        self.d = d = Known(block.dimension)
         self.laws = block.material.equations(d, self.problem.symmetry)
         self.names = fields_of(block.kind, d, self.problem.symmetry)
         self.X = self.problem.positions(part.k, part.ghosted)
@@ -72,8 +72,7 @@ class BlockPart(Part):
         for k, band in enumerate(part.bands):
             self.S[k, : 1 + band.reach, : sizes[k]], self.weight[k, : sizes[k]] = band
         self.axes = np.array([reaches, sizes, np.cumprod([1, *sizes[:2]])]).T.copy()
-        self.like, self.per_h = (0.0,) * d, np.array(block.cells, float)
-        self.loses = self.problem.loses(part.k)
+        self.per_h, self.loses = np.array(block.cells, float), self.problem.loses(part.k)
         self.column = [other.kind for other in self.problem.blocks[: part.k]].count("fluid")
         number = {"gas": self.column, "layer": part.k}
         columns = {name: c + number.get(SERIES[name].of, 0) for name, c in about.columns.items()}

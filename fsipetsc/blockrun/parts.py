@@ -165,7 +165,7 @@ class SolidPart(BlockPart):
         if self.problem.symmetry:
             self.squares += self.laws.curvature(self.metrics[-1, self.owned])
         self.squares /= self.laws.m0
-        self.F = zeros((len(self.laws.unstrained(self.like)), part.numbers.size))
+        self.F = zeros((self.laws.strains(d), part.numbers.size))
         self.prestress = None
         if block.prestress is not None:
             self.prestress = np.array(block_values(block, "prestress", self.X, 0.0))

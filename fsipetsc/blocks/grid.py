@@ -36,6 +36,7 @@ from fsipetsc.blocks.metrics import Curls, Wide
 from fsipetsc.checks import Array
 from fsipetsc.kernels.arrays import column, zeros
 from fsipetsc.kernels.loops import each, number, pick
+from fsipetsc.kernels.procedure import Known
 from fsipetsc.kernels.symbols import exact
 
 
@@ -48,15 +49,15 @@ class Grid(SimpleNamespace):
 
     metrics: (d d + d, N), a^1 … a^d and the velocity of the grid; around an axis or a centre A is
     one more row. Procedures get known: (M, 2d) displacements [m] and velocities [m/s] of the given
-    nodes. like: d zeros, hoops: kappa zeros. x: (d, W) places less those of linear maps, flat: what
-    is differentiated; volume: (N,) det D x, by `find_volumes`.
+    nodes. x: (d, W) places less those of linear maps, flat: what is differentiated; volume: (N,)
+    det D x, by `find_volumes`.
     """
 
     def __init__(
         self, problem: BlockProblem, k: int, order: int, where: Range, nodes: Array, faces: Any
     ) -> None:
         block, centred, d = problem.blocks[k], problem.centred(k), problem.dimension
-        self.like, self.hoops = (0.0,) * d, (0.0,) * problem.symmetry
+        self.d, self.kappa = Known(d), Known(problem.symmetry)
         about = problem, k, order, where
         self.wide: Any = (Curls if d == 3 else Wide)(*about, faces)
         self.blend = Blend(block, self.wide, nodes, centred)
@@ -71,7 +72,7 @@ class Grid(SimpleNamespace):
 
     def find_faces(self, x, values, base, areas, sign=1.0):
         """Put values of the hull, added to a base, on faces of x, and find a^k there."""
-        for c in range(len(self.like)):
+        for c in range(self.d):
             put_on_faces(x[c], self.blend.every.faces, values[c], base[c], sign)
         self.wide.find(x, areas, 1, self.wide.only.size)
 
@@ -85,9 +86,9 @@ class Grid(SimpleNamespace):
 
     def swing(self, known):
         """Fill the velocity, after `edge` and `move`."""
-        d = len(self.like)
-        self.blend.complete(self.blend.moving, known, d)
-        self.blend.fill(self.blend.moving, self.metrics[d * d :], self.blend.inner)
+        self.blend.complete(self.blend.moving, known, self.d)
+        velocity = self.metrics[self.d * self.d :]
+        self.blend.fill(self.blend.moving, velocity, self.blend.inner)
 
     def find_places(self, X, places):
         """Find where nodes are (d, N), after `move`; X: those of the reference map."""
@@ -133,10 +134,10 @@ class Radial(Grid):
     def edge(self, known):
         """Complete x, find A and flat, and fill a^k, A, source."""
         self.blend.complete(self.blend.moved, known, 0)
-        d, kappa, area = len(self.like), len(self.hoops), self.area
+        d, kappa, area = self.d, self.kappa, self.area
         self.place()
         for n in each(area.size, vector=True):
-            *z, r = column(self.like, self.x, n)
+            *z, r = column(d, self.x, n)
             area[n] = A = abs(r) if kappa == 1 else r * r
             self.flat[:, n] = (*z, A * r / (kappa + 1.0))
         self.wide.run("metrics", self.flat, self.b, self.wide.P, everywhere=True)
@@ -155,15 +156,15 @@ class Radial(Grid):
 
     def swing(self, known):
         """Velocity of the grid, and turning."""
-        self.blend.complete(self.blend.moving, known, len(self.like))
-        d, kappa, v, area = len(self.like), len(self.hoops), self.v, self.area
+        self.blend.complete(self.blend.moving, known, self.d)
+        d, kappa, v, area = self.d, self.kappa, self.v, self.area
         self.blend.fill(self.blend.moving, v, self.blend.every)
         for i in each(self.inner.size, vector=True):
-            self.metrics[d * d : d * d + d, i] = column(self.like, v, self.inner[i])
+            self.metrics[d * d : d * d + d, i] = column(d, v, self.inner[i])
         if d == 1:  # area vectors do not turn
             return
         for n in each(area.size, vector=True):
-            *v_z, v_r = column(self.like, v, n)
+            *v_z, v_r = column(d, v, n)
             self.w[:, n] = (*v_z, v_r * area[n])
         self.wide.run("metrics", self.w, self.turning, self.still)
         for i in each(self.inner.size, vector=True):
@@ -176,7 +177,7 @@ class Radial(Grid):
         """Fill bounds: metrics, a^k times 1/2 (1 + the largest A of the node and those beside it
         along the axis k, over A).
         """
-        d, area, copied, bounds = len(self.like), self.area, self.metrics.reshape(-1), self.bounds
+        d, area, copied, bounds = self.d, self.area, self.metrics.reshape(-1), self.bounds
         for m in each(copied.size, vector=True):
             bounds.reshape(-1)[m] = copied[m]
         for k in range(d):

@@ -74,9 +74,13 @@ class Solid(NamedTuple):
     around: Any = ()
     p_ref: float = 0.0
 
-    def unstrained(self, like):
-        """F at rest, for as many numbers as `like` has dimensions."""
-        return (*add_unit(1.0, outer(like, like)), *[1.0] * bool(self.around))
+    def strains(self, d):
+        """How many numbers F has in d dimensions."""
+        return d * d + bool(self.around)
+
+    def unstrained(self, d):
+        """F at rest in d dimensions."""
+        return (*add_unit(1.0, (0.0,) * d * d), *[1.0] * bool(self.around))
 
     def tensor(self, F):
         """F as a tensor of the dimensions that the law has, with hoops on the diagonal."""

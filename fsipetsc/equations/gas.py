@@ -170,9 +170,9 @@ class Gas(NamedTuple):
         mass = rho * through
         return (mass, *along(scale(mass, u), p, a), (energy + p) * through)
 
-    def of_grid(self, like):
-        """As many numbers as v has: what is known of the grid at a node beside its area vectors."""
-        return (*like, 0.0) if self.around else like
+    def of_grid(self, d):
+        """How many numbers v has: what is known of the grid at a node beside its area vectors."""
+        return d + bool(self.around)
 
     def volume_flux(self, a_l, v_l, a_r, v_r):
         """g of two nodes, from their area vectors and velocities of the grid."""

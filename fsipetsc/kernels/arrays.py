@@ -12,14 +12,14 @@ from fsipetsc.checks import Array
 _made = count()  # arrays of `zeros` so far
 
 
-def column(like: Any, array: Any, n: Any, first: Any = 0) -> Any:
-    """Return the numbers array[first + c, n], as many as the tuple ``like`` has."""
-    return tuple(array[first + c, n] for c in range(len(like)))
+def column(count: int, array: Any, n: Any, first: Any = 0) -> Any:
+    """Return so many numbers array[first + c, n]."""
+    return tuple(array[first + c, n] for c in range(count))
 
 
-def row(like: Any, array: Any, n: Any, first: Any = 0) -> Any:
-    """Return the numbers array[n, first + c], as many as the tuple ``like`` has."""
-    return tuple(array[n, first + c] for c in range(len(like)))
+def row(count: int, array: Any, n: Any, first: Any = 0) -> Any:
+    """Return so many numbers array[n, first + c]."""
+    return tuple(array[n, first + c] for c in range(count))
 
 
 def zeros(shape: Any) -> Array:

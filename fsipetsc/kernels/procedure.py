@@ -12,7 +12,8 @@ world vectors. It runs once, on stand-ins of what the records have, and what it 
     call = code.procedure("heat", heat, part, gain)     then   code.load(library),  call(y, f)
 
 What it can do is in fsipetsc.kernels.loops. The text depends on kinds alone, not on sizes or
-values: arrays and numbers of the records are pointers and numbers in a struct that C gets.
+values: arrays and numbers of the records are pointers and numbers in a struct that C gets, but for
+`Known` ones.
 """
 
 import ctypes
@@ -31,6 +32,12 @@ from fsipetsc.kernels.printing import printed
 from fsipetsc.kernels.symbols import Symbol
 
 _POINTER, _ZERO = ctypes.c_void_p, np.zeros(1)
+
+
+class Known(int):
+    """A whole number of a record that is known when procedures are recorded, such as the number of
+    dimensions: it says how many numbers tuples have, and what is unrolled.
+    """
 
 
 class Called:
@@ -84,7 +91,7 @@ class Procedure(Called):
             return Array(self._given(name, value), tuple(sizes))
         if isinstance(value, float):
             return self._given(name, value)
-        if isinstance(value, (int, np.integer)) and not isinstance(value, bool):
+        if isinstance(value, (int, np.integer)) and not isinstance(value, (bool, Known)):
             return self._given(name, int(value))
         if isinstance(value, tuple):
             names = getattr(value, "_fields", range(len(value)))

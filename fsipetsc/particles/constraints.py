@@ -44,17 +44,16 @@ def value_of(variables):
     return tuple(one.value for one in variables)
 
 
-def vectors(like, normals, p, k):
-    """G and S of constraint k of particle p."""
-    d = len(like)
-    return row(like, normals, p, 2 * d * k), row(like, normals, p, 2 * d * k + d)
+def vectors(d, normals, p, k):
+    """G and S of constraint k of particle p, of d numbers each."""
+    return row(d, normals, p, 2 * d * k), row(d, normals, p, 2 * d * k + d)
 
 
 def solve(record, p, one, M, M_s, a, b):
     """Change a of the gas and b of the solid least in their masses so that G_c . a + S_c . b =
     wanted_c, which record.pi has, and which becomes pi.
     """
-    like, normals, pi, A, K = record.like, record.normals, record.pi, record.matrix, one.count
+    d, normals, pi, A, K = record.d, record.normals, record.pi, record.matrix, one.count
     sticks = one.sticks
     body = np.where(sticks, M + M_s, M)
     per_gas = np.where((body > 0.0) & one.free_gas, 1.0 / body, 0.0)
@@ -62,7 +61,7 @@ def solve(record, p, one, M, M_s, a, b):
 
     def pull(k):
         """G and S of a constraint; of what sticks their sum and S, which does not matter then."""
-        G, S = vectors(like, normals, p, k)
+        G, S = vectors(d, normals, p, k)
         return choose(sticks, add(G, S), G), S
 
     for k in each(K):
@@ -75,11 +74,11 @@ def solve(record, p, one, M, M_s, a, b):
     for k in each(K):
         G, S = pull(k)
         on_gas, on_solid = pi[k] * per_gas, pi[k] * per_solid
-        for c in range(len(like)):
+        for c in range(d):
             a[c].value += on_gas * G[c]
             b[c].value += on_solid * S[c]
     with when(sticks):
-        for c in range(len(like)):
+        for c in range(d):
             b[c].value = a[c].value
 
 
@@ -112,17 +111,17 @@ def slide(record, p, one):
     """Project the velocities of a particle on what its constraints allow; the kinetic energy that
     the solid loses goes to the gas.
     """
-    like, U, pi, M, M_s = record.like, record.U, record.pi, record.mass[p], record.solid_mass[p]
-    rho, v, w = U[p, 0], row(like, record.v, p), row(like, record.data.wall, p)
+    d, U, pi, M, M_s = record.d, record.U, record.pi, record.mass[p], record.solid_mass[p]
+    rho, v, w = U[p, 0], row(d, record.v, p), row(d, record.data.wall, p)
     for k in each(one.count):
-        G, S = vectors(like, record.normals, p, k)
+        G, S = vectors(d, record.normals, p, k)
         pi[k] = np.where(record.constraint[p, k] == SLIPS, dot(add(G, S), w), 0.0)
-    new_u, new_v = list(map(variable, velocity(like, U, p, M))), list(map(variable, v))
+    new_u, new_v = list(map(variable, velocity(d, U, p, M))), list(map(variable, v))
     solve(record, p, one, M, M_s, new_u, new_v)
-    new_u, new_v, nothing = value_of(new_u), value_of(new_v), (0.0,) * len(like)
+    new_u, new_v, nothing = value_of(new_u), value_of(new_v), (0.0,) * d
     change = 0.5 * M_s * dot(sub(new_v, v), add(new_v, v))  # of the solid's kinetic energy
     for k in each(pick(one.mine, one.count, 0)):  # what forces do to bodies they move
-        G, S = vectors(like, record.normals, p, k)
+        G, S = vectors(d, record.normals, p, k)
         moved = add(choose(one.free_gas, G, nothing), choose(one.free_solid, S, nothing))
         accumulate(record.gain.impulse, scale(pi[k], moved))
     with when(M_s > 0.0):  # without a solid v stays 0: it is read, and a failed step has NaN
@@ -132,7 +131,7 @@ def slide(record, p, one):
     with when((M_s > 0.0) & (M > 0.0)):
         record.e[p] += change / M_s
         given = one.given_gas  # the gas keeps what it has; the energy comes in
-        U[p, len(like) + 1] -= np.where(given, 0.0, change / record.V[p])
+        U[p, d + 1] -= np.where(given, 0.0, change / record.V[p])
         record.gain.energy[one.moves_gas] += np.where(given & one.mine, change, 0.0)
 
 
@@ -142,9 +141,9 @@ def accumulate(total, values):
         total[c] += value
 
 
-def velocity(like, U, p, M):
+def velocity(d, U, p, M):
     """u of the gas of particle p; 0 if it has none."""
-    return choose(M > 0.0, per(row(like, U, p, 1), U[p, 0]), (0.0,) * len(like))
+    return choose(M > 0.0, per(row(d, U, p, 1), U[p, 0]), (0.0,) * d)
 
 
 def accelerate(record, p, one, of_gas, F):
@@ -152,22 +151,22 @@ def accelerate(record, p, one, of_gas, F):
     the momentum of the solid. A gas that is given has none: it gets its velocity in each stage, and
     the solid with it.
     """
-    like, data, U = record.like, record.data, row((*record.like, 0.0, 0.0), record.U, p)
-    (J_t, R, R_m, R_E), nothing = of_gas, (0.0,) * len(like)
-    M, M_s, v = record.mass[p], record.solid_mass[p], row(like, record.v, p)
-    u, w = velocity(like, record.U, p, M), row(like, data.wall, p)
-    w_t = row(like, data.wall_rate, p)
+    d, data, U = record.d, record.data, row(record.d + 2, record.U, p)
+    (J_t, R, R_m, R_E), nothing = of_gas, (0.0,) * d
+    M, M_s, v = record.mass[p], record.solid_mass[p], row(d, record.v, p)
+    u, w = velocity(d, record.U, p, M), row(d, data.wall, p)
+    w_t = row(d, data.wall_rate, p)
     a_g = choose(M > 0.0, per(along(R_m, -R, u), M), nothing)
     a_s = choose(M_s > 0.0, per(F, M_s), nothing)
     clamped, given = one.clamp, one.given_gas
-    b = choose(clamped, row(like, data.clamp_rate, p), a_s)
+    b = choose(clamped, row(d, data.clamp_rate, p), a_s)
     a = choose(given, nothing, choose(one.wall, w_t, a_g))
     both = choose(given, a, per(add(scale(M, a), scale(M_s, b)), M + M_s))
     both = choose(clamped, b, both)
     a, b = (list(map(variable, choose(one.sticks, both, x))) for x in (a, b))
     with when(one.count > 0):
         for k in each(one.count):  # walls accelerate, area vectors turn under relative velocities
-            (G, S), (G_t, S_t) = (vectors(like, n, p, k) for n in (record.normals, record.turning))
+            (G, S), (G_t, S_t) = (vectors(d, n, p, k) for n in (record.normals, record.turning))
             turns = dot(S_t, sub(u, v)) - dot(add(G_t, S_t), sub(u, w))
             slips = record.constraint[p, k] == SLIPS
             record.pi[k] = np.where(slips, turns + dot(add(G, S), w_t), 0.0)
@@ -190,14 +189,14 @@ def powers(record, p, one, force, force_s, u, v, w):
         power.value = 0.0
         for k in each(one.count):
             with when(record.constraint[p, k] == SLIPS):
-                G, S = vectors(record.like, record.normals, p, k)
+                G, S = vectors(record.d, record.normals, p, k)
                 power.value += record.pi[k] * dot(add(G, S), w)
                 of_solid.value -= record.pi[k] * dot(S, v)
     both = one.free_gas & one.free_solid
     # forces of two free bodies on each other must cancel: those of the constraints alone count
     with when(one.mine & both):
         for k in each(one.count):
-            push = scale(record.pi[k], add(*vectors(record.like, record.normals, p, k)))
+            push = scale(record.pi[k], add(*vectors(record.d, record.normals, p, k)))
             accumulate(record.gain.impulse, push)
             slips = record.constraint[p, k] == SLIPS
             at = pick(slips, one.moves_gas, one.moves_solid)
@@ -233,11 +232,11 @@ def share_heat(law, which, record):
     the gas, or of the solid. Of particles whose gas has this law, the one of this number.
     """
     for p, one in every(record):
-        U, M, at_E = record.U, record.mass[p], len(record.like) + 1
+        U, M, at_E = record.U, record.mass[p], record.d + 1
         warm, solid = one.warm_gas, one.warm_solid
         gas, both = one.given_gas & ~warm, one.shares_heat
         with when((one.law == which) & (warm | both) & (M > 0.0)):
-            u = velocity(record.like, U, p, M)
+            u = velocity(record.d, U, p, M)
             of_gas, of_solid = 0.5 * dot(u, u), rest_of(record, p)
             with when(warm | (solid & ~gas)):
                 T = np.where(warm, record.data.T[p], record.data.T_solid[p])
@@ -269,7 +268,7 @@ def warm_solids(record):
 
 def rest_of(record, p):
     """Energy per mass of a solid that is no heat."""
-    v = row(record.like, record.v, p)
+    v = row(record.d, record.v, p)
     return record.potential[p] + 0.5 * dot(v, v)
 
 

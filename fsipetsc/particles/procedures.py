@@ -22,7 +22,7 @@ from fsipetsc.particles.members import GAS, SOLID
 
 def weigh(record, y):
     """Rows of this rank's members: H q of gas, (M_s D, M_s v, M_s e) of a solid; or their rates."""
-    rows, d = record.rows, len(record.like)
+    rows, d = record.rows, record.d
     for _, r, at in own_members(record):
         weight = record.weight[r]
         for c in each(pick(record.kind[r] == GAS, d + 3, 2 * d + 1)):
@@ -31,7 +31,7 @@ def weigh(record, y):
 
 def summed(record, p):
     """(V, M, P, E) of the gas and M_s (D, v, e) of the solid of particle p."""
-    rows, d = record.rows, len(record.like)
+    rows, d = record.rows, record.d
     gas, solid = ([variable() for _ in range(n)] for n in (d + 3, 2 * d + 1))
     for r in each(record.begin[p], record.begin[p + 1]):
         with when(record.kind[r] == GAS):
@@ -76,12 +76,12 @@ def end_sums(record):
 def obeyed(record, p, one, of_gas, of_solid):
     """The sums of particle p, as walls, clamps and data have them; D is the mean displacement."""
     (V, M, P, E), (D, P_s, E_s), M_s = of_gas, of_solid, record.solid_mass[p]
-    like, data, moved = record.like, record.data, one.clamp | one.given_solid
-    D = choose(one.placed, row(like, data.clamp, p), choose(M_s > 0.0, per(D, M_s), D))
-    P_s = choose(moved, scale(M_s, row(like, data.clamp_velocity, p)), P_s)
-    P = choose(one.wall, scale(M, row(like, data.wall, p)), P)
+    d, data, moved = record.d, record.data, one.clamp | one.given_solid
+    D = choose(one.placed, row(d, data.clamp, p), choose(M_s > 0.0, per(D, M_s), D))
+    P_s = choose(moved, scale(M_s, row(d, data.clamp_velocity, p)), P_s)
+    P = choose(one.wall, scale(M, row(d, data.wall, p)), P)
     # a gas that is given, and what sticks
-    given, (rho, *rho_u, of_data) = one.given_gas, row((*like, 0.0, 0.0), data.gas, p)
+    given, (rho, *rho_u, of_data) = one.given_gas, row(d + 2, data.gas, p)
     sticks, before = one.sticks, kinetic(P_s, M_s)
     v = choose(given, per(tuple(rho_u), rho), per(add(P, P_s), M + M_s))
     v = choose(moved, per(P_s, M_s), v)
@@ -109,8 +109,8 @@ def begin_stored(record, y):
     """Solid members get the displacement of their particle, for which solids find energies."""
     for p, r, at in own_members(record):
         with when(record.kind[r] == SOLID):
-            D = row(record.like, record.D, p)
-            for c in range(len(record.like)):
+            D = row(record.d, record.D, p)
+            for c in range(record.d):
                 y[at(c)] = D[c]
 
 
@@ -153,14 +153,14 @@ def book(record, vector, adds):
 
 def give_state(record, y):
     """Members of this rank get what their particle has; each keeps its own J."""
-    like, d = record.like, len(record.like)
+    d = record.d
     for p, r, at in own_members(record):
         with when(record.kind[r] == GAS):
             J = y[at(0)]
             for c in range(d + 2):
                 y[at(1 + c)] = J * record.U[p, c]
         with otherwise():
-            D, v, e = row(like, record.D, p), row(like, record.v, p), record.e[p]
+            D, v, e = row(d, record.D, p), row(d, record.v, p), record.e[p]
             kinetic, change = 0.5 * dot(v, v), e - record.mean_energy[p]
             heat = (e - kinetic - record.potential[p]) * record.alpha[r] / record.capacity[p]
             shared = kinetic + record.stored[r, 0] + heat
@@ -181,15 +181,15 @@ def end_rates(record, y, f):
 
 def give_rates(record, y, f):
     """(J U)_t = J U_t + U J_t of gas members; accelerations of solid ones, and their power."""
-    like, d = record.like, len(record.like)
+    d = record.d
     for p, r, at in own_members(record):
         with when(record.kind[r] == GAS):
             J, J_t = y[at(0)], f[at(0)]
             for c in range(d + 2):
                 f[at(1 + c)] = J * record.U_t[p, c] + record.U[p, c] * J_t
         with otherwise():
-            push = sub(row(like, record.acceleration, p), tuple(f[at(d + c)] for c in range(d)))
-            power = dot(push, row(like, record.v, p))
+            push = sub(row(d, record.acceleration, p), tuple(f[at(d + c)] for c in range(d)))
+            power = dot(push, row(d, record.v, p))
             for c in range(d):
                 f[at(d + c)] += push[c]
             f[at(2 * d)] += power

@@ -13,7 +13,7 @@ import numpy as np
 
 from fsipetsc.blocks.block_problem import BlockFace
 from fsipetsc.checks import Array
-from fsipetsc.kernels.procedure import Code
+from fsipetsc.kernels.procedure import Code, Known
 from fsipetsc.parallel.block_layout import PARTICLES_TAG, BlockLayout
 from fsipetsc.parallel.exchange import RowExchange
 from fsipetsc.particles import procedures
@@ -59,7 +59,7 @@ class ParticleSystem:
         self.prescribed = Prescribed(layout.problem, particles, here, instant)
         begin = np.searchsorted(number, np.arange(n + 1))
         self.record = SimpleNamespace(
-            like=(0.0,) * d,
+            d=Known(d),
             begin=begin,  # particle p has the rows begin[p] … begin[p + 1] - 1
             mine=self._mine,  # rows of the members of this rank
             of_particle=number,  # of each member

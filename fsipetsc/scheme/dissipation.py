@@ -138,7 +138,7 @@ class Damping(SimpleNamespace):
         first = self.F.shape[1] - self.nodes + node - self.order * self.strides[k]
         # weights of Delta^T: those of Delta in reverse order, perhaps with sign -1
         sign = 1.0 - 2.0 * (self.order % 2)
-        return self.difference(lambda n: column((0.0,) * count, self.F, n), first, k, sign)
+        return self.difference(lambda n: column(count, self.F, n), first, k, sign)
 
 
 class GasDamping(Damping):
@@ -167,7 +167,7 @@ class GasDamping(Damping):
                 if part.form.raises:
                     first = first + part.volume.potential[i] * w[-1]
                 self.z[:, i] = first, *more
-        for k in range(len(part.like)):
+        for k in range(part.d):
             if self.shock is not None:
                 self.sums[:] = 0.0
                 self.sense(partial(steepness, part, self.state, k), k, part.patch.ghosted[k])
@@ -186,11 +186,11 @@ class GasDamping(Damping):
     def flux(self, part, k, i, l, r):
         """Return F of the difference along axis k that begins at node i."""
         gas, raises, potential = part.laws, part.form.raises, part.volume.potential
-        like_z, norm = (*part.like, 0.0, 0.0), self.norm[k, i]
-        change = self.difference(lambda m: column(like_z, self.z, m), i, k)
+        count, norm = part.d + 2, self.norm[k, i]
+        change = self.difference(lambda m: column(count, self.z, m), i, k)
         level = 0.5 * (potential[l] + potential[r]) if raises else 0.0
         change = (change[0] + level * change[-1], *change[1:])
-        middle = mean(column(like_z, self.z, l), column(like_z, self.z, r))
+        middle = mean(column(count, self.z, l), column(count, self.z, r))
         T = -1.0 / middle[-1]
         w = gas.state(0.5 * (self.state[0, l] + self.state[0, r]), scale(T, middle[1:-1]), T)
         (a_l, v_l), (a_r, v_r) = ((area(part, k, n), moving(part, n)) for n in (l, r))
@@ -205,10 +205,10 @@ class GasDamping(Damping):
 
     def collect(self, part, k, node, own, rates):
         """Add sums and H^-1 Delta^T F to rates of an owned node."""
-        d, raises, power = len(part.like), part.form.raises, 0.0
+        d, raises, power = part.d, part.form.raises, 0.0
         per_weight, sums = self.per_weight[k, node], (0.0,) * (d + 2 + raises * (d + 1))
         if self.shock is not None:
-            sums = column(sums, self.sums, node)
+            sums = column(len(sums), self.sums, node)
         more = sums[: d + 2]
         if self.sigma is not None:
             F = self.back(d + 2 + raises, k, node)
@@ -217,14 +217,13 @@ class GasDamping(Damping):
                 power = part.volume.potential[node] * F[0] - F[-1]
         if raises:  # the force of links, and the power of what diffuses
             supplied, force = part.volume.supplied, add_last(power, sums[d + 2 :])
-            supplied[own] = along(row(force, supplied, own), per_weight, force)
-        rates[own, 1:] = along(row(more, rates, own, 1), per_weight, more)
+            supplied[own] = along(row(d + 1, supplied, own), per_weight, force)
+        rates[own, 1:] = along(row(d + 2, rates, own, 1), per_weight, more)
 
     def split_pairs(self, part, k):
         """Take alpha of its flux from each pair; add to areas and volume fluxes of its links."""
         gas, S, stride = part.laws, part.S[k], self.strides[k]
-        like_v = gas.of_grid(part.like)
-        length, grid = part.patch.ghosted[k], len(part.like) ** 2
+        length, grid, of_grid = part.patch.ghosted[k], part.d * part.d, gas.of_grid(part.d)
         for i in each(self.nodes):
             place, alpha = i // stride % length, variable(self.alpha[k, i])
             for m in each(1, np.minimum(part.axes[k, 0] + 1, length - place)):
@@ -234,27 +233,27 @@ class GasDamping(Damping):
                     weight = alpha.value * S[m, place]
                     l, r, rise = self.ends(part, i, j)
                     a_l, a_r = area(part, k, i), area(part, k, j)
-                    v_l, v_r = (column(like_v, part.metrics, n, grid) for n in (i, j))
+                    v_l, v_r = (column(of_grid, part.metrics, n, grid) for n in (i, j))
                     g = gas.volume_flux(a_l, v_l, a_r, v_r)
                     below, above = part.form.pair(gas, l, r, a_l, a_r, g, rise)
-                    self.sums[:, i] = along(column(below, self.sums, i), weight, below)
-                    self.sums[:, j] = along(column(above, self.sums, j), -weight, above)
+                    self.sums[:, i] = along(column(len(below), self.sums, i), weight, below)
+                    self.sums[:, j] = along(column(len(above), self.sums, j), -weight, above)
                     more = (*mean(a_l, a_r), g)
                     for n in each(m):
                         link = i + n * stride
-                        self.link[:, link] = along(column(more, self.link, link), weight, more)
+                        self.link[:, link] = along(column(len(more), self.link, link), weight, more)
 
     def ends(self, part, i, j):
         """Return the states of two nodes, and by how much Phi is more at the second one."""
-        like_w, potential = (0.0,) * (len(part.like) + 5), part.volume.potential
+        count, potential = part.d + 5, part.volume.potential
         rise = potential[j] - potential[i] if part.form.raises else 0.0
-        return column(like_w, self.state, i), column(like_w, self.state, j), rise
+        return column(count, self.state, i), column(count, self.state, j), rise
 
     def flow_on(self, part, k):
         """Add the fluxes through links, with those of Lax and Friedrichs."""
-        gas, form, like_link = part.laws, part.form, (*part.like, 0.0)
+        gas, form = part.laws, part.form
         for i in each(self.nodes - self.strides[k]):
-            link, j = column(like_link, self.link, i), i + self.strides[k]
+            link, j = column(part.d + 1, self.link, i), i + self.strides[k]
             a, g = link[:-1], link[-1]
             with when(dot(link, link) > 0.0):
                 l, r, rise = self.ends(part, i, j)
@@ -268,15 +267,14 @@ class GasDamping(Damping):
                 if form.raises:
                     power = -0.5 * speed * change[0] * rise
                     below, above = (*below, power), (*above, -power)
-                self.sums[:, i] = sub(column(below, self.sums, i), below)
-                self.sums[:, j] = add(column(above, self.sums, j), above)
+                self.sums[:, i] = sub(column(len(below), self.sums, i), below)
+                self.sums[:, j] = add(column(len(above), self.sums, j), above)
 
 
 def steepness(part, state, k, i, stride):
     """The steepness s of a node along axis k. state: (3 + d and more, N)."""
-    law, like_w = part.laws.law, (*part.like, 0.0, 0.0, 0.0)
-    a = area(part, k, i)
-    below, here, above = (column(like_w, state, n) for n in (i - stride, i, i + stride))
+    law, a = part.laws.law, area(part, k, i)
+    below, here, above = (column(part.d + 3, state, n) for n in (i - stride, i, i + stride))
     rise, fall = sub(above, here), sub(here, below)
     size_of_rho = SMALL * (above[0] + 2.0 * here[0] + below[0])
     K_above, K, K_below = (law.bulk_modulus(w[0], w[2]) for w in (above, here, below))
@@ -297,7 +295,7 @@ class SolidDamping(Damping):
 
     def __init__(self, q, bands, cells, solid, a, b):
         super().__init__(q, bands, cells, len(cells) + 1)
-        K = solid.law.wave_modulus(solid.tensor(solid.unstrained((0.0,) * len(cells))))
+        K = solid.law.wave_modulus(solid.tensor(solid.unstrained(len(cells))))
         self.a, self.b, self.work = a, b, np.zeros(self.nodes)
         self.impedance = float(np.sqrt(K * solid.m0))
         self.small = float(SMALL_OF_SOLID * np.sqrt(K / solid.m0))
@@ -306,7 +304,7 @@ class SolidDamping(Damping):
         """Add this term to the rates (M, 2d + 1) of the owned nodes, and its work to what is lost;
         q (N, 2d + 1): with a halo of q + 1 nodes at least.
         """
-        d = len(part.like)
+        d = part.d
         if part.loses:
             self.work[:] = 0.0
         for k in range(d):
@@ -326,7 +324,7 @@ class SolidDamping(Damping):
     def bent(self, part, q, i, stride):
         """The steepness s of a node."""
         nodes = i - stride, i, i + stride
-        below, here, above = (row(part.like, q, n, len(part.like)) for n in nodes)
+        below, here, above = (row(part.d, q, n, part.d) for n in nodes)
         rise, fall = sub(above, here), sub(here, below)
         turn, *both = (np.sqrt(dot(a, a)) for a in (sub(rise, fall), rise, fall))
         return turn / (both[0] + both[1] + self.small)
@@ -334,16 +332,16 @@ class SolidDamping(Damping):
     def drag(self, part, q, k, i, l, r):
         """Return F and F . Delta v of the difference along axis k that begins at node i."""
         A = mean(area(part, k, l), area(part, k, r))
-        change = self.difference(lambda n: row(A, q, n, len(A)), i, k)
+        change = self.difference(lambda n: row(part.d, q, n, part.d), i, k)
         speed = (self.a + self.b * self.largest(i, k)) * self.norm[k, i] * self.impedance
         F = scale(speed * np.sqrt(dot(A, A)), change)
         return *F, dot(F, change)
 
     def slowed(self, part, q, k, node):
         """What differences along axis k give to a node: rates of v, their power, and heat."""
-        d, order, stride = len(part.like), self.order, self.strides[k]
+        d, order, stride = part.d, self.order, self.strides[k]
         per_mass = self.per_weight[k, node] / (part.metrics[d * d, node] * part.laws.m0)
         force, here = scale(-per_mass, self.back(d, k, node)), self.F.shape[1] - self.nodes
         loss = [self.F[d, here + node - j * stride] for j in (order // 2, (order + 1) // 2)]
         heat = 0.5 * per_mass * (loss[0] + loss[1])
-        return force, dot(row(part.like, q, node, d), force), heat
+        return force, dot(row(d, q, node, d), force), heat

@@ -34,7 +34,7 @@ def add_areas(part, table, areas, less=None):
     """Add areas (d d + …, ghosted nodes), by axis and component, of faces at members to the rows of
     a table; or half of what they are more than others.
     """
-    faces, d = part.at_particles, len(part.like)
+    faces, d = part.at_particles, part.d
     for i in each(faces.row.shape[0]):
         for c in range(d):
             at = faces.axis[i] * d + c, faces.node[i]
@@ -108,19 +108,18 @@ def turn_face(face, q, normal):
     y: (3, W) these at rest, at: (W,) the nodes; areas: (9, n), of which rows from ``row`` on are
     filled. begin, nodes: which nodes of the faces it has, perhaps none on this rank.
     """
-    like = (0.0,) * 3
     with when(face.nodes > 0):
         for i in each(face.at.shape[0]):
-            face.x[:, i] = add(column(like, face.y, i), row(like, q, face.at[i]))
+            face.x[:, i] = add(column(3, face.y, i), row(3, q, face.at[i]))
         face.curls.find(face.x, face.areas, 1, 2)
         for i in each(face.nodes):
-            area = column(like, face.areas, i, face.row)
+            area = column(3, face.areas, i, face.row)
             normal[face.begin + i] = scale(face.sign, area)
 
 
 def pass_face(part, faces, i, q, rates, gain):
     """Add what passes the face at its i-th node."""
-    d, own, column = len(part.like), faces.own[i], faces.column[i]
+    d, own, column = part.d, faces.own[i], faces.column[i]
     per_weight, across, entering = faces.per_weight[i], faces.across[i], []
     w, face = face_at(part, faces, i, q)
     if faces.effect.by.leaving:
@@ -143,25 +142,25 @@ def pass_face(part, faces, i, q, rates, gain):
 
 def face_at(part, faces, i, q):
     """Return the state of the gas at the i-th node of the faces, and the face there."""
-    gas, d, at, axis, sign = part.laws, len(part.like), faces.at[i], faces.axis[i], faces.sign[i]
-    like, out, rise = (0.0,) * d, faces.outside, None
+    gas, d, at, axis, sign = part.laws, part.d, faces.at[i], faces.axis[i], faces.sign[i]
+    out, rise = faces.outside, None
     n, v = scale(sign, area(part, axis, at)), moving(part, at)
     w = gas_at(part, q, at)
-    beyond = gas.state(out[i, 0], row(like, out, i, 1), out[i, d + 1])
+    beyond = gas.state(out[i, 0], row(d, out, i, 1), out[i, d + 1])
     if faces.effect.first_order:
         slope = slope_at(part, at, axis, lambda n: gas.velocity(gas_at(part, q, n)))
         rise = sign / q[at, 0] * dot(n, slope)
-    wall = v if faces.effect.moves else like
+    wall = v if faces.effect.moves else (0.0,) * d
     data = wall, beyond, faces.pressure[i], faces.width[i], faces.slip[i], rise
     return w, FaceNode(n, np.sqrt(dot(n, n)), dot(n, v), *data)
 
 
 def load_face(part, faces, i, q, rates, gain):
     """Add forces and heat at the i-th node."""
-    d, at, own, energy = len(part.like), faces.at[i], faces.own[i], gain.energy
-    like, column, across = (0.0,) * d, faces.column[i], faces.across[i]
+    d, at, own, energy = part.d, faces.at[i], faces.own[i], gain.energy
+    column, across = faces.column[i], faces.across[i]
     A = scale(faces.sign[i], area(part, faces.axis[i], at))
-    size, v = np.sqrt(dot(A, A)), row(like, q, at, d)
+    size, v = np.sqrt(dot(A, A)), row(d, q, at, d)
     force = tuple(size * faces.traction[i, c] for c in range(d))
     if faces.effect.by.pull:
         F = strain_at(part, q, at)
@@ -187,16 +186,15 @@ def load_face(part, faces, i, q, rates, gain):
 
 def normal_at(part, faces, i, q):
     """The outward area vector of a solid's face as it is. For an axis see fsipetsc.blocks.grid."""
-    solid, at, axis, sign = part.laws, faces.at[i], faces.axis[i], faces.sign[i]
-    like = part.like
-    if len(like) == 3:
-        return row(like, faces.normal, i)
+    solid, d, at, axis, sign = part.laws, part.d, faces.at[i], faces.axis[i], faces.sign[i]
+    if d == 3:
+        return row(d, faces.normal, i)
 
     def place(n):
-        return add(column(like, part.X, n), row(like, q, n))
+        return add(column(d, part.X, n), row(d, q, n))
 
     normal = (sign,)
-    if len(like) == 2:
+    if d == 2:
         slope = slope_at(part, at, 1 - axis, lambda n: solid.flat(place(n)))
         normal = turned(np.where(axis == 0, sign, -sign), slope)
     return last_times(solid.weight(place(at)), normal)
@@ -204,9 +202,9 @@ def normal_at(part, faces, i, q):
 
 def strain_at(part, q, at):
     """F = 1 + sum_k D_k D A^k / J0 at a solid's node of the ghosted array, with hoop stretches."""
-    metrics, like, d = part.metrics, part.like, len(part.like)
-    F = add_unit(1.0, outer(like, like))
+    metrics, d = part.metrics, part.d
+    F = add_unit(1.0, (0.0,) * d * d)
     for k in range(d):
         A = per(area(part, k, at), metrics[d * d, at])
-        F = add(F, outer(slope_at(part, at, k, lambda n: row(like, q, n)), A))
-    return part.laws.with_hoops(F, row(like, q, at), metrics[-1, at])
+        F = add(F, outer(slope_at(part, at, k, lambda n: row(d, q, n)), A))
+    return part.laws.with_hoops(F, row(d, q, at), metrics[-1, at])

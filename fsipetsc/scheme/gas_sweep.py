@@ -216,7 +216,7 @@ def _pair(gas, d, form, viscous, moves, near):
         kernel.count(apart)
     g = 0.0
     if moves:
-        grid = len(gas.of_grid((0.0,) * d))
+        grid = gas.of_grid(d)
         v_l, v_r = kernel.read("v_l", PLANES, grid), kernel.read("v_r", PLANES, grid)
         g = gas.volume_flux(a_l, v_l, a_r, v_r)
     rise = 0.0

@@ -91,15 +91,15 @@ def add_force(part, q, ghosted, rates, gain):
     """Add the force on each owned node and its power to the rates, and to what comes in; pair by
     pair these are what the sweep and links have summed.
     """
-    d, supplied, b = len(part.like), part.volume.supplied, part.laws.force
+    d, supplied, b = part.d, part.volume.supplied, part.laws.force
 
     def pushed(i):
         if part.form.raises:
-            *force, power = row((*b, 0.0), supplied, i)
+            *force, power = row(d + 1, supplied, i)
             for c in range(d):
                 power = power + force[c] * (q[i, 2 + c] / q[i, 1])
         else:
-            force, power = scale(q[i, 1], b), dot(b, row(b, q, i, 2))
+            force, power = scale(q[i, 1], b), dot(b, row(d, q, i, 2))
         for c, value in enumerate((*force, power), 2):
             rates[i, c] += value
         return *force, power
@@ -112,7 +112,7 @@ def add_force(part, q, ghosted, rates, gain):
 
 def follow(part, record):
     """Note displacement and velocity of the particles here by which the grid moves."""
-    follows, known, data, d = part.follows, part.known, record.data, len(part.like)
+    follows, known, data, d = part.follows, part.known, record.data, part.d
     for m in each(follows.shape[0]):
         n, row = follows[m], part.follower_rows[m]
         alone = (record.facts.moves[n] == 1) & (record.solid_mass[n] == 0.0)
@@ -130,7 +130,7 @@ def move(part):
 
 def turn(part, record):
     """Add how area vectors at constraints turn."""
-    table, d = record.of_normals, len(part.like)
+    table, d = record.of_normals, part.d
     if d == 3:
         part.grid.turn()
         add_areas(part, table, part.grid.ahead, part.grid.back)
@@ -151,11 +151,11 @@ def add_ends(part, own, q, rates, gain):
 
 def supply(part, q, ghosted, rates, gain):
     """Add the case's forcing."""
-    like = (*part.like, 0.0, 0.0)
+    count = part.d + 2
 
     def supplied(i):
-        more = scale(q[i, 0], column(like, part.forcing, i))
-        rates[i, 1:] = add(row(like, rates, i, 1), more)
+        more = scale(q[i, 0], column(count, part.forcing, i))
+        rates[i, 1:] = add(row(count, rates, i, 1), more)
         return more
 
     book(part, gain, supplied, mass=True)
@@ -184,13 +184,13 @@ def seen_at(part, q, metrics, own, n):
     """Return what `observe` asks for, integrands per volume of the reference coordinates; metrics:
     those that bound the step, see the head of this file.
     """
-    gas, d, convection, squares = part.laws, len(part.like), 0.0, 0.0
-    here = row((0.0,) * (d + 3), q, own)
+    gas, d, convection, squares = part.laws, part.d, 0.0, 0.0
+    here = row(d + 3, q, own)
     w, per_J = gas.primitive(here), 1.0 / here[0]
-    c, v = gas.speed_of_sound(w), column(part.like, metrics, n, d * d)
+    c, v = gas.speed_of_sound(w), column(d, metrics, n, d * d)
     relative = sub(gas.velocity(w), v)
     for k, per_h in enumerate(part.per_h[k] for k in range(d)):
-        a = column(part.like, metrics, n, k * d)
+        a = column(d, metrics, n, k * d)
         size = dot(a, a) * per_h * per_h
         convection = convection + (abs(dot(a, relative)) * per_h + c * np.sqrt(size))
         squares = squares + size
@@ -201,7 +201,7 @@ def seen_at(part, q, metrics, own, n):
     apart = abs(here[0] - J) / abs(J)
     known = (convection < np.inf) & (diffusion < np.inf) & (apart < np.inf)  # so are the places
     bad = np.where(known & positive, 0.0, 1.0)
-    (_, rho, *momentum, energy), place = here, column(part.like, part.places, n)
+    (_, rho, *momentum, energy), place = here, column(d, part.places, n)
     entropy, level = here[0] * gas.entropy_density(w), -rho * dot(gas.force, place)
     densities = {"mass": rho, "energy": energy, "entropy": entropy, "potential_energy": level}
     return (bad, convection, diffusion, -here[0] / of_map, apart), place, momentum, densities

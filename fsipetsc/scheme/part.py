@@ -2,7 +2,8 @@
 record: arrays and numbers with names (fsipetsc.blockrun.block_part). Of M owned nodes, and of N in
 the ghosted array, in d dimensions it has what fsipetsc.parallel.block_layout.Part has, and
 
-    like: d zeros. laws: fsipetsc.equations.gas or solid. S, weight: bands of the three axes, with
+    d: known when a procedure is recorded, as it says how many numbers tuples have; values of other
+    numbers are not. laws: fsipetsc.equations.gas or solid. S, weight: bands of the three axes, with
     zeros behind. axes: (3, 3) of each axis its longest pair, nodes, and how far these are apart in
     the ghosted array. X: (d, N) of the reference map, or at rest. metrics: of a gas (d d + d, N),
     a^1 … a^d, velocity of the grid, and around an axis A; of a solid (d d + 1, N), A^1 … A^d and
@@ -57,17 +58,17 @@ def ghosted_planes(part, s):
 
 def area(part, k, n):
     """Return a^k of a gas, or A^k of a solid, at a node of the ghosted array."""
-    return column(part.like, part.metrics, n, k * len(part.like))
+    return column(part.d, part.metrics, n, k * part.d)
 
 
 def moving(part, n):
     """Return the velocity of a gas's grid at a node of the ghosted array."""
-    return area(part, len(part.like), n)
+    return area(part, part.d, n)
 
 
 def gas_at(part, q, n):
     """Return the primitive variables of a gas at a node of q."""
-    return part.laws.primitive(row((*part.like, 0.0, 0.0, 0.0), q, n))
+    return part.laws.primitive(row(part.d + 3, q, n))
 
 
 def rows_of(part):
@@ -91,7 +92,7 @@ def images(part):
     """Fill the halo before r = 0 with mirror images of the nodes behind it, times part.signs."""
     values, signs = part.halo, part.signs
     (g0, _, _), (f0, f1, _) = part.patch.ghosted, part.patch.first
-    rows, n = (f0, 1) if len(part.like) == 1 else (f1, g0)
+    rows, n = (f0, 1) if part.d == 1 else (f1, g0)
     for c in each(signs.shape[0]):
         for i in each(rows * n):
             image = (rows - 1 - i // n) * n + i % n
@@ -112,7 +113,7 @@ def book(part, gain, of, mass=False):
     """Add to what comes in through no face the sums over owned nodes of what of(i) returns per mass
     of node i: mass if there is any, momentum, energy. Return the energy.
     """
-    sums = [variable(0.0) for _ in range(len(part.like) + 1 + mass)]
+    sums = [variable(0.0) for _ in range(part.d + 1 + mass)]
     for i in each(part.masses.size):
         for total, value in zip(sums, of(i), strict=True):
             total.value += part.masses[i] * value

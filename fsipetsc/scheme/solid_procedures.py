@@ -30,8 +30,8 @@ def store(part, record, y):
 
 def book_force(part, q, ghosted, rates, gain):
     """Book what a constant force gives, and its work. The sweep has added it to rates."""
-    d, force = len(part.like), part.laws.force
-    work = book(part, gain, lambda i: (*force, dot(force, row(force, q, i, d))))
+    d, force = part.d, part.laws.force
+    work = book(part, gain, lambda i: (*force, dot(force, row(d, q, i, d))))
     gain.work[0] += work
     if part.loses:
         gain.lost[0] += work
@@ -39,10 +39,10 @@ def book_force(part, q, ghosted, rates, gain):
 
 def supply(part, q, ghosted, rates, gain):
     """Add the case's forcing to the rates, and book it."""
-    forcing, d = part.forcing, len(part.like)
+    forcing, d = part.forcing, part.d
 
     def supplied(i):
-        push, heat = column(part.like, forcing, i), part.laws.alpha * forcing[d, i]
+        push, heat = column(d, forcing, i), part.laws.alpha * forcing[d, i]
         for c in range(d):
             heat = heat + q[i, d + c] * push[c]
             rates[i, c] += forcing[d + 1 + c, i]
@@ -59,7 +59,7 @@ def monitor(part, found, y):
     part.volume.sweep_strains(part, own, halo, part.F)
     q = own.T
     observe(part, found, lambda own, node: seen_at(part, q, own, node))
-    if len(part.like) == 1:
+    if part.d == 1:
         note_ends(part, q, found)
 
 
@@ -75,15 +75,15 @@ def stressed(part, q, out):
     """Fill planes of the owned nodes with T, p, the Cauchy stress P F^T/J and that of hoops, by the
     last F; q: planes of the ghosted nodes.
     """
-    d, solid, M = len(part.like), part.laws, part.masses.shape[0]
-    zeros, q = (0.0,) * d, q.reshape(part.dof, part.metrics.shape[1]).T
+    d, solid, M = part.d, part.laws, part.masses.shape[0]
+    q = q.reshape(part.dof, part.metrics.shape[1]).T
     for at, own in nodes_of(part):
-        F = column(solid.unstrained(zeros), part.F, own)
-        v, e = row(zeros, q, at, d), q[at, 2 * d]
+        F = column(solid.strains(d), part.F, own)
+        v, e = row(d, q, at, d), q[at, 2 * d]
         T, J = temperature(part, v, e, F, at), solid.volume(F)
         P = solid.stress_at(F, T)
         if part.prestress is not None:
-            P = add(P, column((0.0,) * d * d, part.prestress, at))
+            P = add(P, column(d * d, part.prestress, at))
         stress = per(product(P, transpose(F[: d * d])), J)
         hoops = (solid.hoop_stress(F, T),) if solid.around else ()
         for c, number in enumerate((T, solid.pressure_at(J, T), *stress, *hoops)):
@@ -94,10 +94,9 @@ def seen_at(part, q, own, node):
     """Return what `observe` asks for. Convection is inf where the state is not physical; a J that
     is no number is left out.
     """
-    solid, d = part.laws, len(part.like)
-    zeros = (0.0,) * d
-    displacement, v, e = row(zeros, q, own), row(zeros, q, own, d), q[own, 2 * d]
-    F = column(solid.unstrained(zeros), part.F, own)
+    solid, d = part.laws, part.d
+    displacement, v, e = row(d, q, own), row(d, q, own, d), q[own, 2 * d]
+    F = column(solid.strains(d), part.F, own)
     T, J = temperature(part, v, e, F, node), solid.volume(F)
     modulus, squares = solid.wave_modulus_at(F, T), part.squares[own]
     speed = np.sqrt(np.maximum(modulus, 0.0) * squares)
@@ -105,7 +104,7 @@ def seen_at(part, q, own, node):
     diffusion = STIFFNESS_OF_WIDE * solid.kappa / solid.alpha * squares
     bad, fastest = np.where(good, 0.0, 1.0), np.where(good, speed, np.inf)
     least = -np.where(J < np.inf, J, np.inf)
-    place = add(column(zeros, part.X, node), displacement)
+    place = add(column(d, part.X, node), displacement)
     energy = 0.5 * dot(v, v) + stored_energy(part, F, node) if part.loses else 0.0
     densities = {"energy": e, "potential_energy": -dot(solid.force, place)}
     densities |= {"solid_energy": energy, "lost_energy": -energy}
@@ -120,7 +119,7 @@ def prestress_energy(part, F, node):
     """S : (F - 1)/m0 of a prestress S [J/kg], of which T knows with heat 'elastic' alone."""
     if part.prestress is None:
         return 0.0
-    S = column((0.0,) * len(part.like) ** 2, part.prestress, node)
+    S = column(part.d * part.d, part.prestress, node)
     return dot(S, add_unit(-1.0, F[: len(S)])) / part.laws.m0
 
 
@@ -134,7 +133,7 @@ def note_ends(part, q, found):
     solid, ends = part.laws, part.interfaces
     for m in each(ends.shape[0]):
         own, node = ends[m, 1], part.patch.ghosted_rows(ends[m, 1])
-        F, v = column(solid.unstrained((0.0,)), part.F, own), q[own, 1]
+        F, v = column(solid.strains(1), part.F, own), q[own, 1]
         S = 0.0 if part.prestress is None else part.prestress[0, node]
         T = temperature(part, (v,), q[own, 2], F, node)
         of_end = part.X[0, node] + q[own, 0], v, solid.line_stress(F) + S, T

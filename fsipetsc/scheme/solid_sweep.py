@@ -79,7 +79,7 @@ def solid_kernels(solid, d, order, prestressed):
         conduct=(_conduct(solid, d, both[0]),) * (solid.kappa > 0.0),
         ends=ends_of(2 * d + 1),
         dof=2 * d + 1,
-        numbers=numbers_of(d) | {"strains": len(solid.unstrained((0.0,) * d))},
+        numbers=numbers_of(d) | {"strains": solid.strains(d)},
     )
 
 
@@ -146,7 +146,7 @@ def _conduct(solid, d, stencil):
     A, (J0,) = kernel.read("metrics", PLANES, d * d), kernel.read("metrics", PLANES, 1, d * d)
     D_T = _slopes(kernel, stencil, "temperatures", (0,) * d, 1)
     gradient = scale(1.0 / J0, apply(transpose(A), D_T))
-    F = kernel.read("strains", ROWS, len(solid.unstrained((0.0,) * d)))
+    F = kernel.read("strains", ROWS, solid.strains(d))
     kernel.store("heats", ROWS, apply(A, solid.heat_flux(F, gradient)))
     return kernel
 
@@ -163,7 +163,7 @@ def _accelerate(solid, d, stencil):
         power = power + total(_slopes(kernel, stencil, "heats", range(d), 1, True))
     acceleration = along(solid.force, per_mass, force)
     if solid.around:
-        F = kernel.read("strains", ROWS, len(solid.unstrained((0.0,) * d)))
+        F = kernel.read("strains", ROWS, solid.strains(d))
         (e,) = kernel.read("unknowns", ROWS, 1, 2 * d)
         (R,) = kernel.read("metrics", PLANES, 1, d * d + 1)
         acceleration = solid.with_hoop_force(acceleration, v, e, F, R)

@@ -144,7 +144,7 @@ class Sweep(SimpleNamespace):
         owned nodes of a state, q: of all with the halo, f: of what is found. planes: what kernels
         take of all nodes beside metrics.
         """
-        self.part, self.found, self.d = part, found, len(part.like)
+        self.part, self.found, self.d = part, found, part.d
         self.own, self.sizes, self.first = (in_order(of_axes, self.d) for of_axes in part.patch)
         self.end = [first + n for first, n in zip(self.first, self.own, strict=True)]
         self.N, self.M = part.metrics.shape[1], part.masses.shape[0]
