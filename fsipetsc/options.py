@@ -210,7 +210,7 @@ PASSED_ON = {
     "options_left": "list options that PETSc did not use, at the end",
 }
 #: those of its time integrator; those that it follows when it ends
-IN_LOOP, AT_END = ("ts_monitor", "ts_view"), tuple(PASSED_ON)[4:]
+IN_LOOP, AT_END = ("ts_monitor", "ts_view"), ("log_view", "options_left")
 
 
 def groups(

@@ -53,7 +53,6 @@ CHECKPOINT = {"format": "fsipetsc checkpoint", "version": 12}
 NAMES = "names"  # attribute of the group of series: their names
 LIBVER = ("v110", "v110")
 _XDMF = b'<Xdmf Version="2.0"><!-- a result of fsipetsc -->'
-_XDMF_OF_OURS = _XDMF, b'<Xdmf Version="2.0"><Domain><Grid Name="'  # the second: before 1.0
 
 
 @contextmanager
@@ -222,7 +221,7 @@ def write_checkpoint(path: str | Path, header: dict[str, Any], arrays: Mapping[s
 def write_xdmf(run: Any) -> None:
     """Write NAME.xdmf beside a finished result (Run). OSError; FileError over another file."""
     target = beside(run.path, ".xdmf")
-    if target.exists() and not target.read_bytes().startswith(_XDMF_OF_OURS):
+    if target.exists() and not target.read_bytes().startswith(_XDMF):
         raise FileError(f"{target}: is no XDMF of a result, and is left; {run.path} is complete")
     kind, frames = 'GridType="Collection" CollectionType', ""
     for frame, t in enumerate(run.time.tolist()):

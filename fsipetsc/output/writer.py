@@ -17,7 +17,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import IO, Any, TypeVar
+from typing import IO, Any, NamedTuple, TypeVar
 from uuid import uuid4
 
 import numpy as np
@@ -38,6 +38,17 @@ _SPARE = 1 << 16  # bytes for what HDF5 needs besides the numbers
 _CHUNK = 1 << 27  # numbers: PETSc writes to chunked datasets only, of less than 4 GiB a chunk
 
 
+class Kept(NamedTuple):
+    """What a restart keeps of a result with this mark: frames, rows of the series, and the time t
+    [s] at their end.
+    """
+
+    mark: str
+    frames: int
+    rows: int
+    t: float
+
+
 class RunWriter:
     """The result of a running computation. **Collective on `comm`**.
 
@@ -48,8 +59,7 @@ class RunWriter:
                     points in order
     take_series     hands over, on rank 0, the steps since the last time, as an array of records
                     with "t" first, which may be overwritten later. All ranks call it
-    after           what a restart keeps of a result of this name: its mark, frames, steps, and
-                    the time [s] at their end. Where there is none a new one begins
+    after           what a restart keeps of a result of this name; if it is there it goes on
     checkpoint      of another run, if there is one: it gets a new name, as an earlier result does
     moved           on rank 0, old and new names of what an earlier run has left
     mark            on rank 0, by which result and checkpoints know each other: of this file alone
@@ -64,7 +74,7 @@ class RunWriter:
         header: Mapping[str, Any],
         grids: Sequence[Array],
         take_series: Callable[[], Array],
-        after: tuple[str, int, int, float] | None = None,
+        after: Kept | None = None,
         checkpoint: Path | None = None,
     ) -> None:
         self._comm, self._root, self._take_series = comm, comm.rank == 0, take_series
@@ -205,41 +215,42 @@ class RunWriter:
             if hasattr(os, "posix_fallocate"):
                 os.posix_fallocate(file.fileno(), len(image), room + _SPARE)
 
-    def _begin(self, after: Any, checkpoint: Path | None) -> tuple[int, int]:
+    def _begin(self, after: Kept | None, checkpoint: Path | None) -> tuple[int, int]:
         """Make the folder; what is not kept gets a new name. Return the frames and rows kept."""
         if os.path.lexists(self.path) and not self.path.is_file():  # such as /dev/null
             raise FileError(f"{self.path}: exists and is not a regular file")
         self._lock = lock(self.folder, str(self.path))
         found = {self.path: self.path, layout.piece(self.folder, 1): self.folder}
         there = {file: whole for file, whole in found.items() if file.exists()}
-        others = [of for file, of in there.items() if after is None or _mark(file) != after[0]]
-        self.mark, *kept = after if after and len(others) < len(there) else (uuid4().hex,)
+        others = [of for file, of in there.items() if after is None or _mark(file) != after.mark]
+        kept = after if len(others) < len(there) else None
+        self.mark = kept.mark if kept else uuid4().hex
         self._about["header"] |= {"run": self.mark}
         self.moved += [(file, set_aside(file)) for file in others]
         if self.folder in others:  # the lock goes with it
             self._lock.close()
             self._lock = lock(self.folder, str(self.path))
         if kept:
-            self._join(*kept)
+            self._join(kept)
             os.replace(self.path, layout.piece(self.folder, 1))
         else:  # pieces behind a gap, which a kill has left
             clear(self.folder)
         if checkpoint is not None:
             self.moved.append((checkpoint, set_aside(checkpoint)))
-        return (kept[0], kept[1]) if kept else (0, 0)
+        return (kept.frames, kept.rows) if kept else (0, 0)
 
-    def _join(self, *kept: Any) -> None:
-        """Make one file of all pieces, or of what is kept of a result: frames, steps, the time at
-        their end. OSError; FileError if it is damaged, or has not what is kept.
+    def _join(self, kept: Kept | None = None) -> None:
+        """Make one file of all pieces, or of what is kept of a result. OSError; FileError if it is
+        damaged, or has not what is kept.
         """
         run = open_run(self.path)
         ends = run.series.get("t", np.empty(0))
-        frames, rows, t = kept or (run.nframes, len(ends), math.nan)
+        frames, rows = (kept.frames, kept.rows) if kept else (run.nframes, len(ends))
         ended = ends[rows - 1] if 0 < rows <= len(ends) else math.nan
-        if kept and (run.nframes < frames or (rows and ended != t)):
+        if kept and (run.nframes < frames or (rows and ended != kept.t)):
             found = f"it has {run.nframes} frames, and its step {rows} ends at t = {ended:.17g}"
             what = f"{self.path} is not what the checkpoint goes on from"
-            raise FileError(f"{what}: {found}, not {t:.17g}")
+            raise FileError(f"{what}: {found}, not {kept.t:.17g}")
         self._about["header"]["created"] = run.header["created"]  # a restart keeps it
         content: dict[str, Any] = {"time": run.time[:frames]}
         content |= {f"series/{name}": (rows, *of.shape[1:]) for name, of in run.series.items()}

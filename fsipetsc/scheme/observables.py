@@ -17,7 +17,7 @@ LEAST_COMPONENT = 1e-3
 TINY = np.finfo(float).tiny
 
 
-class Observable(NamedTuple):
+class Entry(NamedTuple):
     """A series. name: a * in it stands for each of x, y, z, an @ for each of u, v, w.
 
     what: it is, in words. unit: of integrals that in three dimensions. kind: of the step itself;
@@ -42,49 +42,52 @@ class Observable(NamedTuple):
 
 
 STEP, EXTREME, INTEGRAL, PLACE, GAIN = "step", "extreme", "integral", "place", "gain"
-_AT_ENDS, _MISSED = "at an interface in one dimension", "are apart there, in the paper's method"
-_LOSSY = 'kinetic and elastic energy of solids with `heat="elastic"`'
-_MOVED, _FLUXES = "displacement of the interface", f"by how much heat fluxes {_MISSED}"
+_AT_ENDS, _MOVED = "at an interface in one dimension", "displacement of the interface"
+_LOSSY, _PAPERS = (
+    'kinetic and elastic energy of solids with `heat="elastic"`',
+    "in the paper's method",
+)
+_MISSED = "velocities", "stresses", "temperatures", "heat fluxes"
+_APART = {name: f"by how much {name} are apart there, {_PAPERS}" for name in _MISSED}
 _LINE, _PAPER = (PLACE, "interface", "line"), (PLACE, "interface", "paper")
 _POINT, _MEAN = (PLACE, "point", ""), "of a solid minus its mean normal stress"
-_ENTRIES = (
-    ("t", "s", "time after the step", STEP),
-    ("dt", "s", "length of the step", STEP),
-    ("least_J", "1", "smallest J", EXTREME, "layer", "", "least J"),
-    ("J_error", "1", "|J − det D x|/J, the largest", EXTREME, "layer", "", "departure of J"),
-    ("mass", "kg", "mass", INTEGRAL, "gas", "", "change of mass"),
-    ("energy", "J", "energy", INTEGRAL, "", "", "change of energy"),
-    ("momentum_*", "N s", "momentum", INTEGRAL, "", "", "change of momentum *"),
-    ("entropy", "J K-1", "entropy of gases", INTEGRAL, "", "", "change of entropy"),
-    ("angular_momentum", "J s", "angular momentum about the origin", INTEGRAL, "", "plane"),
-    ("angular_momentum_*", "J s", "the same in three dimensions", INTEGRAL, "", "space"),
-    ("solid_energy", "J", _LOSSY, INTEGRAL, "", "lossy"),
-    ("potential_energy", "J", "−Σ m f·x with a constant force f", INTEGRAL, "", "pulled"),
-    ("x_interface", "m", f"position of the solid {_AT_ENDS}", *_LINE, _MOVED),
-    ("u_interface", "m s-1", f"its velocity {_AT_ENDS}", *_LINE, "velocity u"),
-    ("sigma_interface", "Pa", f"its stress σ {_AT_ENDS}", *_LINE, "stress σ"),
-    ("T_interface", "K", f"its temperature {_AT_ENDS}", *_LINE, "temperature T"),
-    ("residual_u", "m s-1", f"by how much velocities {_MISSED}", *_PAPER, "|residual|, velocity"),
-    ("residual_stress", "Pa", f"by how much stresses {_MISSED}", *_PAPER, "|residual|, stress"),
-    ("residual_T", "K", f"by how much temperatures {_MISSED}", *_PAPER, "|residual|, temperature"),
-    ("residual_flux", "W m-2", _FLUXES, *_PAPER, "|residual|, heat flux"),
-    ("momentum", "N s", "momentum, in the paper's method", INTEGRAL, "", "paper", "momentum"),
-    ("*_point", "m", "position of a node that is recorded", *_POINT, "change of *"),
-    ("@_point", "m s-1", "its velocity", *_POINT, "velocity *"),
-    ("T_point", "K", "its temperature", *_POINT, "temperature T"),
-    ("p_point", "Pa", f"its pressure; {_MEAN}", *_POINT, "pressure p"),
-    ("mass_in", "kg", "mass that came in", GAIN, "gas"),
-    ("lost_energy", "J", "what the step lost of `solid_energy`", GAIN, "", "lossy"),
-    ("force_work", "J", "work of constant forces", GAIN, "", "pulled"),
-    ("impulse_*", "N s", "momentum that came in", GAIN),
-    ("energy_face", "J", "energy that came in through a face", GAIN, "face"),
-    ("heat_face", "J", "what of it was heat by `T` or `heat_flux`", GAIN, "face"),
-    ("energy_in", "J", "all energy that came in", GAIN),
-)
 #: in the order of the columns of a record of blocks
-TABLE = tuple(Observable(*entry) for entry in _ENTRIES)
+TABLE = (
+    Entry("t", "s", "time after the step", STEP),
+    Entry("dt", "s", "length of the step", STEP),
+    Entry("least_J", "1", "smallest J", EXTREME, "layer", label="least J"),
+    Entry("J_error", "1", "|J − det D x|/J, the largest", EXTREME, "layer", label="departure of J"),
+    Entry("mass", "kg", "mass", INTEGRAL, "gas", label="change of mass"),
+    Entry("energy", "J", "energy", INTEGRAL, label="change of energy"),
+    Entry("momentum_*", "N s", "momentum", INTEGRAL, label="change of momentum *"),
+    Entry("entropy", "J K-1", "entropy of gases", INTEGRAL, label="change of entropy"),
+    Entry("angular_momentum", "J s", "angular momentum about the origin", INTEGRAL, needs="plane"),
+    Entry("angular_momentum_*", "J s", "the same in three dimensions", INTEGRAL, needs="space"),
+    Entry("solid_energy", "J", _LOSSY, INTEGRAL, needs="lossy"),
+    Entry("potential_energy", "J", "−Σ m f·x with a constant force f", INTEGRAL, needs="pulled"),
+    Entry("x_interface", "m", f"position of the solid {_AT_ENDS}", *_LINE, label=_MOVED),
+    Entry("u_interface", "m s-1", f"its velocity {_AT_ENDS}", *_LINE, label="velocity u"),
+    Entry("sigma_interface", "Pa", f"its stress σ {_AT_ENDS}", *_LINE, label="stress σ"),
+    Entry("T_interface", "K", f"its temperature {_AT_ENDS}", *_LINE, label="temperature T"),
+    Entry("residual_u", "m s-1", _APART["velocities"], *_PAPER, label="|residual|, velocity"),
+    Entry("residual_stress", "Pa", _APART["stresses"], *_PAPER, label="|residual|, stress"),
+    Entry("residual_T", "K", _APART["temperatures"], *_PAPER, label="|residual|, temperature"),
+    Entry("residual_flux", "W m-2", _APART["heat fluxes"], *_PAPER, label="|residual|, heat flux"),
+    Entry("momentum", "N s", f"momentum, {_PAPERS}", INTEGRAL, needs="paper", label="momentum"),
+    Entry("*_point", "m", "position of a node that is recorded", *_POINT, label="change of *"),
+    Entry("@_point", "m s-1", "its velocity", *_POINT, label="velocity *"),
+    Entry("T_point", "K", "its temperature", *_POINT, label="temperature T"),
+    Entry("p_point", "Pa", f"its pressure; {_MEAN}", *_POINT, label="pressure p"),
+    Entry("mass_in", "kg", "mass that came in", GAIN, "gas"),
+    Entry("lost_energy", "J", "what the step lost of `solid_energy`", GAIN, needs="lossy"),
+    Entry("force_work", "J", "work of constant forces", GAIN, needs="pulled"),
+    Entry("impulse_*", "N s", "momentum that came in", GAIN),
+    Entry("energy_face", "J", "energy that came in through a face", GAIN, "face"),
+    Entry("heat_face", "J", "what of it was heat by `T` or `heat_flux`", GAIN, "face"),
+    Entry("energy_in", "J", "all energy that came in", GAIN),
+)
 #: name -> entry
-SERIES: Mapping[str, Observable] = {name: one for one in TABLE for name in one.names(3)}
+SERIES: Mapping[str, Entry] = {name: one for one in TABLE for name in one.names(3)}
 
 
 def record(names: Collection[str], counts: Mapping[str, int]) -> list[tuple[Any, ...]]:

@@ -26,7 +26,7 @@ from fsipetsc.output import file_layout
 from fsipetsc.output.geometry_picture import geometry_rows
 from fsipetsc.output.info import summary_rows, table
 from fsipetsc.output.reader import open_run
-from fsipetsc.output.writer import RunWriter
+from fsipetsc.output.writer import Kept, RunWriter
 from fsipetsc.paper.paper_state import PaperState
 from fsipetsc.problem import Problem, blocks_of_line
 from fsipetsc.process.together import say, together
@@ -200,7 +200,7 @@ class Run(Integrator):
         """Begin the result, or go on with it. Collective; InputError, FileError."""
         of = self.path, self.opt, self.past
         other = together(self.comm, lambda: restart.other_checkpoint(*of))
-        after = self.past and self.past.header["result"]
+        after = Kept(*self.past.header["result"]) if self.past else None
         packages = "fsipetsc", "petsc4py", "mpi4py", "numpy"
         header = {
             "case": self.name,
@@ -247,7 +247,7 @@ class Run(Integrator):
             "options": {k: v for k, v in self.opt.items() if k not in OF_A_RUN},
             "facts": restart.facts(self.state, self.opt),
             "memory": {name: getattr(self, name) for name in KEPT},
-            "result": [self.writer.mark, self.writer.nframes, self.writer.rows, self.t],
+            "result": Kept(self.writer.mark, self.writer.nframes, self.writer.rows, self.t),
         }
         arrays, write = self.state.capture(), file_layout.write_checkpoint
         together(self.comm, lambda: arrays and write(self.path, header, arrays))
