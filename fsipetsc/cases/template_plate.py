@@ -5,8 +5,8 @@
 
 What to expect: it swings between 0 and twice its static deflection with its first frequency. For D
 = E d^3/(12 (1 - nu^2)), length L, thickness d and load q, the theory of thin plates has
-    w = q L^4/(384 D) = 10.8 um,    omega = 22.373 sqrt(D/(density d))/L^2, a period of 0.36 ms.
-Shear adds 3 % to w. docs/plates.md says how many cells and which order do.
+    delta = q L^4/(384 D) = 10.8 um,    omega = 22.373 sqrt(D/(density d))/L^2, a period of 0.36 ms.
+Shear adds 3 % to delta. docs/plates.md says how many cells and which order do.
 """
 
 from fsipetsc import ElasticSolid, Fluid, Layer, Option, layers
