@@ -13,7 +13,7 @@ given: the parabola, and all unknowns are prescribed, one more than the gas allo
 force drives the gas through a channel without ends.
 
 Numbers to compare with: u = 6 U Y (1 - Y), with the mean velocity U, and p + rho u^2, also its
-mean, falls by 12 mu U per length. Three seconds; fringe, whose slip length is a function, 20.
+mean, falls by 12 mu U per length. 3,460 steps: a second; three more the first time.
 """
 
 from fsipetsc import Block, BlockProblem, Fluid, Option

@@ -1,6 +1,6 @@
 """An elastic ring with gas inside and outside: curved blocks.
 
-    mpiexec -n 2 python -m fsipetsc FILE.py -ring_pulse 1      # half a minute; more the first time
+    mpiexec -n 2 python -m fsipetsc FILE.py -ring_pulse 1      # a second; more the first time
     python -m fsipetsc plot NAME.h5 -o pictures                # draw the result
     python -m fsipetsc plot NAME.h5 -animate                   # a film of it; ParaView: NAME.xdmf
 

@@ -1,11 +1,11 @@
 """Gas flows through a plane channel: it comes in on the left and leaves on the right.
 
-    mpiexec -n 2 python -m fsipetsc FILE.py -gas_speed 35    # four seconds; more the first time
+    mpiexec -n 2 python -m fsipetsc FILE.py -gas_speed 35    # a second; more the first time
     python -m fsipetsc plot NAME.h5 -o pictures              # draw the result
 
 What to expect: Poiseuille's flow, u = 6 U (Y/H) (1 - Y/H) with the mean velocity U = gas_speed and
-the height H. The pressure falls by 12 mu U/H^2 = 84 kPa/m, here by 85.7, as the gas expands.
-docs/channels.md says which condition is for which end, and why the inflow has a profile.
+the height H. The pressure falls by 12 mu U/H^2 = 84 kPa/m, here by 86.5 in the middle half, as the
+gas expands. docs/channels.md says which end has which condition, and why the inflow has a profile.
 """
 
 from fsipetsc import Block, BlockProblem, Fluid, Option
