@@ -65,7 +65,8 @@ def number(value: Any, what: str, bound: str = ANY, unit: str = "") -> float:
     """The value as a float; InputError if it is no finite real number or out of bound."""
     expected = f"expected a number{' ' * bool(bound)}{bound}{f' [{unit}]' if unit else ''}"
     try:
-        wrong = isinstance(value, (str, bytes, bool, np.bool_, complex)) or np.ndim(value) > 0
+        wrong = isinstance(value, (str, bytes, bool, np.bool_)) or np.ndim(value) > 0
+        wrong = wrong or np.iscomplexobj(value)
         found = np.nan if wrong else float(value)
     except (TypeError, ValueError, OverflowError):
         found = np.nan

@@ -3,14 +3,14 @@
 import pytest
 from helpers import computed, mpirun, solve, well
 
-from fsipetsc.output.differences import compare
+from fsipetsc import compare, open_run
 
 PROGRAM = """
 import os, signal, sys
 import numpy as np
 import pytest
 import fsipetsc
-from fsipetsc import ComputationError, Fluid, FluidLayer, InputError, Problem, Wall
+from fsipetsc import ComputationError, FileError, Fluid, FluidLayer, InputError, Problem, Wall
 
 gas = Fluid(0.01, 0.02, 1.4, 1.0)
 state = lambda X: (1 + 0 * X, 0 * X, 1 + 0.01 * np.cos(np.pi * X))
@@ -47,6 +47,8 @@ saved = {"checkpoint": "half.ck.h5", "checkpoint_steps": 3}
 half = fsipetsc.run("rod", h=0.1, max_steps=3, output="half.h5", **saved)
 on = fsipetsc.run("rod", restart="half.ck.h5", max_steps=5)
 assert on.path == half.path and len(half.series["t"]) == 3
+with pytest.raises(FileError, match="has changed since it was opened; open it again"):
+    half.layers[0]["T"]  # of another run
 assert np.array_equal(on.series["t"], first.series["t"])
 assert sys.argv == words
 """
@@ -67,7 +69,7 @@ def results(tmp_path_factory):
 
 
 def test_what_differs(results):
-    found = compare(results / "a.h5", results / "same.h5")
+    found = compare(open_run(results / "a.h5"), results / "same.h5")
     assert found.equal and not found.options and len(found.differences) > 15
     done = solve("diff", results / "a.h5", results / "same.h5")
     assert done.stdout.endswith("are equal, bit for bit\n")

@@ -160,6 +160,8 @@ class Record:
                 raise refuse("it takes a number for a whole one")
             return value
         try:
+            if not isinstance(value, (float, int)) and np.iscomplexobj(value):
+                raise TypeError  # of numpy's, float() takes the real part
             number = index(value) if whole else float(value)
         except (TypeError, ValueError):
             raise refuse(f"{value!r} is no {'whole ' * whole}number") from None

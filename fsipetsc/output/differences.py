@@ -60,15 +60,18 @@ class Comparison(NamedTuple):
         return not self.notes and all(found.largest == 0.0 for found in self.differences)
 
 
-def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Comparison:
+def compare(
+    first: Run | str | os.PathLike[str], second: Run | str | os.PathLike[str]
+) -> Comparison:
     """Compare all fields in the frames, and all series in the steps, that two results have at equal
     times. FileError if one of them cannot be read.
 
     Args:
-        first: path of a result.
-        second: path of the other one.
+        first: a result, or its path.
+        second: the other one.
     """
-    a, b, notes = open_run(first), open_run(second), list[str]()
+    a, b = (of if isinstance(of, Run) else open_run(of) for of in (first, second))
+    notes = list[str]()
     found = [*_of_layers(a, b, notes), *_of_series(a, b, notes)]
     names = sorted({*a.options, *b.options} - {"fsi_output"})
     pairs = {name: (a.options.get(name), b.options.get(name)) for name in names}

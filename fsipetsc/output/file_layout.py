@@ -62,7 +62,7 @@ def damage(path: str) -> Iterator[None]:
         yield
     except (FileError, MemoryError):
         raise
-    except FileNotFoundError:  # a piece is gone when the pieces have become one file
+    except FileNotFoundError:  # pieces have become one file, or another file has the name
         raise FileError(f"{path}: has changed since it was opened; open it again") from None
     except Exception as error:
         said = f"the file is damaged, or none of fsipetsc: {reason(error)}"
@@ -96,6 +96,12 @@ def check_folder(path: str | os.PathLike[str]) -> None:
 def open_h5(path: str | os.PathLike[str], mode: str = "r") -> h5py.File:
     """Open without file locks: a result may be looked at while its run goes on."""
     return h5py.File(path, mode, locking=False, libver=LIBVER if mode != "r" else None)
+
+
+def mark_of(file: h5py.File) -> tuple[int, ...]:
+    """By which an open file is known that nobody has replaced or changed."""
+    found = os.fstat(file.id.get_vfd_handle())
+    return found.st_ino, found.st_mtime_ns, found.st_size
 
 
 @contextmanager

@@ -21,8 +21,8 @@ from fsipetsc.scheme.observables import SERIES
 class Run:
     """A result, as `open_run` and `run` return it.
 
-    Fields are read from the file when they are asked for, and then kept. No file stays open, so as
-    a context manager it does nothing.
+    Fields are read from the file when they are asked for, and then kept: FileError if another run
+    has replaced it. No file stays open, so as a context manager it does nothing.
 
     Attributes:
         case: name of the case.
@@ -52,13 +52,13 @@ class Run:
         self.path = str(whole)
         found = layout.pieces(layout.beside(whole, ".parts"))  # before it is asked for the whole
         found = [whole] if whole.exists() or not found else found
-        self._files: list[tuple[Path, int]] = []  # and how many frames they have
+        self._files: list[tuple[Path, Any, int]] = []  # their marks, how many frames they have
         nodes, times, series = list[Array](), list[Array](), dict[str, list[Array]]()
         for piece in found:
             with layout.opened(piece, layout.RESULT) as (file, about):
                 layers = about["header"]["layers"]
                 times.append(layout.numbers(file["time"], None))
-                self._files.append((piece, len(times[-1])))
+                self._files.append((piece, layout.mark_of(file), len(times[-1])))
                 if "series" in file:
                     group, steps = file["series"], len(layout.numbers(file["series/t"], None))
                     # a list: HDF5, asked for names, crashes where a byte of many names has changed
@@ -238,11 +238,13 @@ class Layer(Mapping[str, Array]):
         """Return these fields in the frames from first to end. FileError."""
         width, parts = len(self.fields), [[np.empty((0, *self.shape))] * len(names)]
         with layout.damage(self._run.path):
-            for path, count in self._run._files:
+            for path, mark, count in self._run._files:
                 a, b = max(first, 0), min(end, count)  # of this file
                 first, end = first - count, end - count
                 if a < b:
                     with layout.open_h5(path) as file:
+                        if layout.mark_of(file) != mark:
+                            raise FileNotFoundError
                         group = file[f"layer{self._number}"]
                         if "frames" in group:
                             table = group["frames"][:, a * width : b * width]
