@@ -21,9 +21,7 @@ from fsipetsc.scheme.plan import RATE
 
 def by_components(value):
     """f(X, t) as f(*X, t); else the value."""
-    if not callable(value):
-        return value
-    return lambda *arguments: value(np.array(arguments[:-1]), arguments[-1])
+    return (lambda *at: value(np.array(at[:-1]), at[-1])) if callable(value) else value
 
 
 def condition_of(given):

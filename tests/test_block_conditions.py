@@ -89,6 +89,7 @@ def test_a_gas_that_is_given_keeps_its_values_at_a_solid(mu, side):
 def test_a_clamp_with_a_velocity_moves_from_where_it_is():
     clamp = Clamped(velocity=lambda X, t: (0.3 * np.cos(5.0 * t) + 0.0 * X,))
     with Steps(slab(rod(), lambda X: (0.0, 1.0, 1.1 * X + 0.05), (clamp, Free()), 16), 4) as run:
+        assert run.saved(0)[:, 1] == pytest.approx(1.0, abs=1e-13)  # T, though the rod rests
         run.step(2e-3, 100)
         D, v, _ = run.owned(0)[0]
         assert D == pytest.approx(0.05 + 0.06 * np.sin(5.0 * run.t), abs=1e-10)
@@ -133,8 +134,9 @@ def test_volumes_stay_those_of_the_grid():
     gas, square, cells = Fluid(0.0, 0.0, 1.4, 1.0), rectangle((0, 0), (1, 1)), (8, 8)
     block = Block("gas", gas, square, cells, lambda X, Y: (1.0, 0.0, 0.0, 1e-3))  # cold
     sides = {("gas", 0, side): Slip() for side in (0, 1)}
-    faces = {("gas", 1, 0): NoSlip(**wall(0.0, 0.05)), ("gas", 1, 1): NoSlip(**wall(1.3, 0.07))}
+    faces = {("gas", 1, 0): NoSlip(**wall(0.0, 0.05)), ("gas", 1, 1): Slip(**wall(1.3, 0.07))}
     with Steps(BlockProblem((block,), sides | faces), 4) as run:
+        assert run.saved(0)[:, 3] == pytest.approx(1e-3, abs=1e-15)  # T, though the gas rests
         worst = 0.0
         for n in range(800):
             run.step(1 / 8)  # also where T is below 0

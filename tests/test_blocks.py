@@ -68,11 +68,10 @@ def test_a_transfinite_map_is_exact_for_what_is_linear_in_each_coordinate(d):
 
 
 def right_handed(d):
-    for axes in permutations(range(d)):
-        for flips in product((False, True), repeat=d):
-            parity = sum(a > b for i, a in enumerate(axes) for b in axes[i + 1 :]) + sum(flips)
-            if parity % 2 == 0:
-                yield axes, flips
+    for axes, flips in product(permutations(range(d)), product((False, True), repeat=d)):
+        parity = sum(a > b for i, a in enumerate(axes) for b in axes[i + 1 :]) + sum(flips)
+        if parity % 2 == 0:
+            yield axes, flips
 
 
 def partners(problem):

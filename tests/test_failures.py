@@ -74,14 +74,7 @@ def test_what_went_wrong_is_named_and_what_helps(layers, number, field, rate, sa
     line = f"-mad_layers {layers} -mad_layer {number} -mad_rate {rate}"
     words = [CASE, *line.split(), "-mad_field", field, "-mad_time", time, "-fsi_quiet"]
     layer = f"layer '{'gas' if layers[number] == 'g' else 'bar'} {number}'"
-    where = (
-        layer,
-        " at (x, y) = (",
-        "), (X, Y) = (",
-        ", t = 0.01",
-        ", step 1",
-        "what usually helps: ",
-    )
+    where = layer, " at (x, y) = (", "), (X, Y) = (", ", t = 0.01", ", step 1", "what usually helps"
     for ranks in (1, 3):
         done = solve(*words, "-fsi_output", "mad.h5", cwd=tmp_path, ranks=ranks)
         texts.append(message(done, 3, f"error: {said}", *where))

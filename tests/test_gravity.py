@@ -66,8 +66,7 @@ def test_energy_stays_with_potential_energy(shape, order, numbers, options):
     for k, (b, r) in enumerate(zip(oracle.blocks, rates.values())):
         height = (spread(b.material.force, oracle.d) * b.X).sum(axis=0)
         found["energy"] -= (oracle.W[k] * r[1] * height).sum()
-    assert abs(found["mass"]) < 1e-13 * size
-    assert abs(found["energy"]) < 1e-13 * size
+    assert max(abs(found["mass"]), abs(found["energy"])) < 1e-13 * size
     if options:
         assert found["entropy"] > 1e-4 * size  # of what is far apart little diffuses: 1 + eta
     else:

@@ -175,9 +175,9 @@ class BlockState(State):
 
     def set_initial(self, t_end: float | None = None) -> None:
         """Initial data. Grids of gases follow the solids, at the same density, velocity and
-        temperature; gas at walls gets their velocity. All functions of the case are asked at t = 0.
-        InputError for what they return, and where walls do not move with their velocity until t_end
-        [s].
+        temperature; what walls and clamps hold gets their velocity. All functions of the case are
+        asked at t = 0. InputError for what they return, and where walls do not move with their
+        velocity until t_end [s].
         """
 
         def fill() -> None:
@@ -194,7 +194,14 @@ class BlockState(State):
         self._do("share", SOLUTION)
         self._do("grid", SOLUTION)
         for gas in self._gases:
-            gas.begin_at_walls(self.owned(gas.k))
+            gas.does["find_volumes"]()
+            q = self.owned(gas.k)
+            q *= (gas.J / q[:, 0])[:, None]
+        first = self.y.copy()
+        self._do("fulfil", SOLUTION)
+        obeying, self.y[:] = self.y.copy(), first
+        for k, part in self.parts.items():
+            part.begin_as_held(self.owned(k), self.layout.owned(k, obeying))
         agree(self.comm, self.fault)
 
     def set_data(self, t: float) -> None:

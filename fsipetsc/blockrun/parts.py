@@ -114,18 +114,6 @@ class GasPart(BlockPart):
         for c, values in enumerate((1.0, *U)):
             q[:, c] = values
 
-    def begin_at_walls(self, q: Array) -> None:
-        """Let J be that of the grid, and gas at walls have their velocity; rho and T stay."""
-        self.does["find_volumes"]()
-        q *= (self.J / q[:, 0])[:, None]
-        system, d = self.about.system, self.d
-        _, nodes, particle = system.own(self.k)
-        at_wall = system.record.facts.wall[particle] == 1
-        rows, u = self.rows(nodes[at_wall]), system.record.data.wall[particle[at_wall]]
-        momentum = q[rows, 1, None] * u
-        change = (momentum**2 - q[rows, 2 : 2 + d] ** 2).sum(axis=1) / q[rows, 1]
-        q[rows, 2 : 2 + d], q[rows, 2 + d] = momentum, q[rows, 2 + d] + 0.5 * change
-
     def steepest(self, q: Array) -> tuple[float, ...]:
         """The largest change of p between neighbours, over their larger bulk modulus; X there."""
         at, change, stride = self.owned, np.zeros(self.owned.size), 1

@@ -153,6 +153,7 @@ class Particle:
         return {
             **{name: name in faces for name in ("wall", "clamp", "given_gas", "given_solid")},
             **{name: getattr(self, name) for name in ("sticks", "shares_heat", "one_T", "moves")},
+            "held": bool(self.held),
             "free_gas": not held,
             "free_solid": not self.holds,
             "placed": given or self.moved_by("clamp"),
