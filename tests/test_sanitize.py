@@ -3,7 +3,7 @@ after it was freed, nothing that C leaves undefined. `scripts/soak sanitize` run
 
 Python and numpy are not watched. But numpy takes the memory of its arrays from malloc, which is
 watched: an access beyond an array is found, but for the up to 64 bytes beside it that
-``fsipetsc.kernels.arrays.zeros`` leaves. New memory is full of nan, so a kernel that reads before
+``fsipetsc.kernels.loops.zeros`` leaves. New memory is full of nan, so a kernel that reads before
 anything is stored there fails. A finding does not end a test; all are reported at the end."""
 
 import subprocess

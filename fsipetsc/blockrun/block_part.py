@@ -10,7 +10,6 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fsipetsc.blockrun.saved import fields_of
 from fsipetsc.blocks.block import mesh
@@ -18,18 +17,16 @@ from fsipetsc.blocks.block_problem import BlockFace
 from fsipetsc.blocks.conditions import COLUMNS, VECTORS, Condition
 from fsipetsc.blocks.face_formulas import Effect
 from fsipetsc.blocks.metrics import Curls
-from fsipetsc.checks import POSITIVE, block_values, checked, names_of, place_text
+from fsipetsc.checks import POSITIVE, Array, block_values, checked, names_of, place_text
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.arrays import zeros
-from fsipetsc.kernels.procedure import Code, Known, Procedure
+from fsipetsc.kernels.loops import Known, zeros
+from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.kernels.symbols import Symbol, numbers_of
 from fsipetsc.parallel.block_layout import Part
 from fsipetsc.scheme.face_terms import Faces, load_face, pass_face
 from fsipetsc.scheme.observables import SERIES
 from fsipetsc.scheme.recorded_data import Source, asked, positive
 from fsipetsc.scheme.sweep import in_order
-
-Array = NDArray[Any]
 
 
 class BlockPart(Part):

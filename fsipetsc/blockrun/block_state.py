@@ -16,7 +16,7 @@ from fsipetsc.blocks.block import size_of
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.checks import block_values, checked, names_of
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.arrays import zeros
+from fsipetsc.kernels.loops import zeros
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import COMMON

@@ -4,17 +4,16 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fsipetsc.blockrun.block_part import BlockPart
 from fsipetsc.blocks.conditions import Centre
 from fsipetsc.blocks.grid import grid_of
 from fsipetsc.blocks.metrics import solid_metrics
-from fsipetsc.checks import block_values
+from fsipetsc.checks import Array, block_values
 from fsipetsc.equations.tensors import add_unit
 from fsipetsc.equations.vectors import dot
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.arrays import zeros
+from fsipetsc.kernels.loops import zeros
 from fsipetsc.materials.own import check_inverses, check_transport, knows_entropy
 from fsipetsc.operators.slopes import Stencil
 from fsipetsc.parallel.block_layout import GATHER_TAG, Part
@@ -29,7 +28,6 @@ from fsipetsc.scheme.monitor import MONITORED, ROOM_COLUMNS
 from fsipetsc.scheme.part import images, rates
 from fsipetsc.scheme.solid_sweep import SolidSweep, solid_kernels
 
-Array = NDArray[Any]
 #: procedures of parts, and of those whose grid moves
 OF_GAS = rates, of_gas.monitor, of_gas.find_volumes
 OF_MOVING_GAS = of_gas.follow, of_gas.move, of_gas.turn

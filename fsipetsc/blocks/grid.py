@@ -34,9 +34,7 @@ from fsipetsc.blocks.block import Block, Range, mesh
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.metrics import Curls, Wide
 from fsipetsc.checks import Array
-from fsipetsc.kernels.arrays import column, zeros
-from fsipetsc.kernels.loops import each, number, pick
-from fsipetsc.kernels.procedure import Known
+from fsipetsc.kernels.loops import Known, column, each, number, pick, zeros
 from fsipetsc.kernels.symbols import exact
 
 

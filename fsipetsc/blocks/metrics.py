@@ -23,9 +23,8 @@ from fsipetsc.checks import Array, place_text
 from fsipetsc.equations import tensors
 from fsipetsc.equations.vectors import add, along, cross, sub, total
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.kernel import PLANES, SHARED, Kernel
-from fsipetsc.kernels.loops import each, pick, when
+from fsipetsc.kernels.loops import each, pick, when, zeros
 from fsipetsc.kernels.symbols import exact
 from fsipetsc.operators.slopes import Stencil, axis_of, kinds, slope
 

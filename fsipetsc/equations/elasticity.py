@@ -30,18 +30,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.equations.tensors import (
-    add_unit,
-    apply,
-    bordered,
-    cofactor,
-    determinant,
-    largest_stretch,
-    outer,
-    rows,
-    square_root,
-    transpose,
-)
+from fsipetsc.equations import tensors
+from fsipetsc.equations.tensors import add_unit, apply, cofactor, determinant, outer, transpose
 from fsipetsc.equations.vectors import add, add_last, along, dot, last_times, mean, scale
 from fsipetsc.kernels.symbols import derivative
 
@@ -84,7 +74,7 @@ class Solid(NamedTuple):
 
     def tensor(self, F):
         """F as a tensor of the dimensions that the law has, with hoops on the diagonal."""
-        return bordered(F[:-1], F[-1], len(self.around)) if self.around else F
+        return tensors.bordered(F[:-1], F[-1], len(self.around)) if self.around else F
 
     def weight(self, x):
         """r^kappa of a place, of what weighs the last number of its area vectors."""
@@ -130,7 +120,7 @@ class Solid(NamedTuple):
 
     def stress_at(self, F, T):
         d = isqrt(len(F))
-        return tuple(entry for row in rows(self.full_stress(F, T))[:d] for entry in row[:d])
+        return tuple(entry for row in tensors.rows(self.full_stress(F, T))[:d] for entry in row[:d])
 
     def line_stress(self, F):
         """Stress of the law in one dimension [Pa]; around an axis or a centre that of Cauchy."""
@@ -151,7 +141,7 @@ class Solid(NamedTuple):
         """Upper bound of m0 c^2 [Pa], of waves along the stiffest direction at constant entropy."""
         F = self.tensor(strain)
         J, m0, alpha = determinant(F), self.m0, self.alpha
-        area, P = largest_stretch(cofactor(F)), self.full_stress(strain, T)
+        area, P = tensors.largest_stretch(cofactor(F)), self.full_stress(strain, T)
         by_J, by_T = pressure_slopes(self.pressing, J, T, m0, alpha)
         pressed = (1.0 - self.coupled) * abs(self.pressure_at(J, T)) * area
         heats = self.coupled * np.sqrt(area * dot(P, P)) + pressed
@@ -178,5 +168,5 @@ class Solid(NamedTuple):
 
     def resistance(self, F, T, N, v):
         """Z v = sqrt(m0 Q) v [Pa]: the traction that waves along N have where they move with v."""
-        root = square_root(scale(self.m0, self.acoustic_tensor(F, T, N)))
+        root = tensors.square_root(scale(self.m0, self.acoustic_tensor(F, T, N)))
         return apply(root, (*v, *self.around))[: len(v)]

@@ -27,17 +27,11 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.kernels.loops import Array, Recording, recording
+from fsipetsc.kernels.loops import Array, Known, Recording, recording
 from fsipetsc.kernels.printing import printed
 from fsipetsc.kernels.symbols import Symbol
 
 _POINTER, _ZERO = ctypes.c_void_p, np.zeros(1)
-
-
-class Known(int):
-    """A whole number of a record that is known when procedures are recorded, such as the number of
-    dimensions: it says how many numbers tuples have, and what is unrolled.
-    """
 
 
 class Called:

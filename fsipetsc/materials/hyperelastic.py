@@ -10,22 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fsipetsc.equations import tensors
 from fsipetsc.equations.elementary import logarithm_rest
-from fsipetsc.equations.tensors import (
-    add_unit,
-    apply,
-    cofactor,
-    determinant,
-    determinant_excess,
-    largest_eigenvalue,
-    largest_stretch,
-    outer,
-    product,
-    shear_excess,
-    trace,
-    transpose,
-    twice_strain,
-)
+from fsipetsc.equations.tensors import add_unit, apply, cofactor, determinant, outer, product
 from fsipetsc.equations.vectors import add, along, dot, scale
 
 
@@ -47,14 +34,14 @@ class NeoHookean(NamedTuple):
     p_ref: float
 
     def stress(self, F):
-        J, j = determinant(F), determinant_excess(F)
+        J, j = determinant(F), tensors.determinant_excess(F)
         pull = (self.lambda_e * np.log1p(j) - self.mu_e) / J - self.p_ref
         return along(scale(self.mu_e, F), pull, cofactor(F))
 
     def energy(self, F):
-        j = determinant_excess(F)
+        j = tensors.determinant_excess(F)
         rest = logarithm_rest(j, determinant(F))
-        shear = 0.5 * self.mu_e * (shear_excess(F) + j * j + 2.0 * rest)
+        shear = 0.5 * self.mu_e * (tensors.shear_excess(F) + j * j + 2.0 * rest)
         return shear + 0.5 * self.lambda_e * (j - rest) * (j - rest) - self.p_ref * j
 
     def acoustic_tensor(self, F, N):
@@ -62,10 +49,10 @@ class NeoHookean(NamedTuple):
         return add_unit(self.mu_e, outer(scale(self._s(F), a), a))
 
     def wave_modulus(self, F):
-        return self.mu_e + np.maximum(self._s(F), 0.0) * largest_stretch(cofactor(F))
+        return self.mu_e + np.maximum(self._s(F), 0.0) * tensors.largest_stretch(cofactor(F))
 
     def _s(self, F):
-        J, j = determinant(F), determinant_excess(F)
+        J, j = determinant(F), tensors.determinant_excess(F)
         return (self.lambda_e * (1.0 - np.log1p(j)) + self.mu_e) / (J * J)
 
 
@@ -80,14 +67,14 @@ class Log(NeoHookean):
     """
 
     def stress(self, F):
-        J, j, K = determinant(F), determinant_excess(F), 2.0 * self.mu_e + self.lambda_e
+        J, j, K = determinant(F), tensors.determinant_excess(F), 2.0 * self.mu_e + self.lambda_e
         pull = K * np.log1p(j) - self.mu_e * J - self.p_ref
         return along(scale(self.mu_e, F), pull, cofactor(F))
 
     def energy(self, F):
-        j, K = determinant_excess(F), 2.0 * self.mu_e + self.lambda_e
+        j, K = tensors.determinant_excess(F), 2.0 * self.mu_e + self.lambda_e
         rest = logarithm_rest(j, determinant(F))
-        shear = 0.5 * self.mu_e * shear_excess(F)
+        shear = 0.5 * self.mu_e * tensors.shear_excess(F)
         return shear + K * (j * (j - rest) - rest) - self.p_ref * j
 
     def _s(self, F):
@@ -106,32 +93,32 @@ class StVenantKirchhoff(NamedTuple):
     p_ref: float
 
     def _strain(self, F):
-        return scale(0.5, twice_strain(F))
+        return scale(0.5, tensors.twice_strain(F))
 
     def _hooke(self, F):
         """S [Pa]; of the strain of Green it is the second Piola–Kirchhoff stress."""
         E = self._strain(F)
-        return add_unit(self.lambda_e * trace(E), scale(2.0 * self.mu_e, E))
+        return add_unit(self.lambda_e * tensors.trace(E), scale(2.0 * self.mu_e, E))
 
     def stress(self, F):
         return along(product(F, self._hooke(F)), -self.p_ref, cofactor(F))
 
     def energy(self, F):
         E = self._strain(F)
-        of_trace = 0.5 * self.lambda_e * trace(E) * trace(E)
-        return of_trace + self.mu_e * dot(E, E) - self.p_ref * determinant_excess(F)
+        of_trace = 0.5 * self.lambda_e * tensors.trace(E) * tensors.trace(E)
+        return of_trace + self.mu_e * dot(E, E) - self.p_ref * tensors.determinant_excess(F)
 
     def acoustic_tensor(self, F, N):
         """Q = N . S N + (lambda_e + mu_e) (F N) (F N)^T + mu_e F F^T [Pa]."""
         stretched = apply(F, N)
         along_it = outer(scale(self.lambda_e + self.mu_e, stretched), stretched)
-        across = scale(self.mu_e, product(F, transpose(F)))
+        across = scale(self.mu_e, product(F, tensors.transpose(F)))
         return add_unit(dot(N, apply(self._hooke(F), N)), add(along_it, across))
 
     def wave_modulus(self, F):
         """K |F N|^2 + N . S N."""
-        pull = largest_eigenvalue(self._hooke(F))
-        return (2.0 * self.mu_e + self.lambda_e) * largest_stretch(F) + pull
+        pull = tensors.largest_eigenvalue(self._hooke(F))
+        return (2.0 * self.mu_e + self.lambda_e) * tensors.largest_stretch(F) + pull
 
 
 class LinearElastic(StVenantKirchhoff):
@@ -142,7 +129,7 @@ class LinearElastic(StVenantKirchhoff):
     """
 
     def _strain(self, F):
-        return add_unit(-1.0, scale(0.5, add(F, transpose(F))))
+        return add_unit(-1.0, scale(0.5, add(F, tensors.transpose(F))))
 
     def stress(self, F):
         return along(self._hooke(F), -self.p_ref, cofactor(F))

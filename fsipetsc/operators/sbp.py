@@ -38,9 +38,9 @@ from math import comb
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fsipetsc.checks import Array
+
 Triple = tuple[int, int, int]
 
 #: Bound on the step for diffusion nu, with D twice: dt <= C h^2 / (STIFFNESS_OF_WIDE nu). Spectral
@@ -120,7 +120,7 @@ class SBPOperator:
         rows = enumerate(self.closure)
         return max(self.p, *(abs(j - i) for i, row in rows for j, w in enumerate(row) if w))
 
-    def matrix(self, n: int) -> NDArray[Any]:
+    def matrix(self, n: int) -> Array:
         """D for h = 1, (n, n), of fractions; n: min_points or more."""
         matrix, closure = np.full((n, n), Fraction(0), dtype=object), np.array(self.closure)
         for k, weight in enumerate(self.interior, start=1):
@@ -131,7 +131,7 @@ class SBPOperator:
         matrix[n - rows :, n - cols :] = -closure[::-1, ::-1]
         return matrix
 
-    def norm_weights(self, n: int) -> NDArray[np.float64]:
+    def norm_weights(self, n: int) -> Array:
         """The diagonal of H, (n,), without h; n: min_points or more."""
         weights = np.ones(n)
         weights[: self.rows] = self.norm

@@ -15,7 +15,7 @@ import numpy as np
 from fsipetsc.boundaries import Wall
 from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.arrays import zeros
+from fsipetsc.kernels.loops import zeros
 from fsipetsc.operators.sbp import SBPOperator, row_length
 from fsipetsc.paper.ends import OF_GAS
 from fsipetsc.paper.rates import SCRATCH_ROWS, Gas

@@ -25,7 +25,7 @@ from petsc4py import PETSc
 
 from fsipetsc.checks import NOWHERE, Array, checked
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.arrays import zeros
+from fsipetsc.kernels.loops import zeros
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import ends, rates

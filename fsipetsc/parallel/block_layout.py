@@ -22,18 +22,16 @@ from typing import Any
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fsipetsc.blocks.block import mesh
+from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.arrays import zeros
+from fsipetsc.kernels.loops import zeros
 from fsipetsc.operators.sbp import AXIS, NO_AXIS, OPERATORS, Patch
 from fsipetsc.parallel.block_shares import Extent, share_out
-from fsipetsc.parallel.exchange import Exchange, Route
+from fsipetsc.parallel.exchange import Exchange, Numbers, Route
 
-Array = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 AXES = 3
 #: of messages of particles; of halos; of faces, and the number of the block
 PARTICLES_TAG, HALO_TAG, GATHER_TAG = 0, 1 << 10, 1 << 13

@@ -23,8 +23,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from fsipetsc.equations.vectors import add, along, choose, dot, per, scale, sub
-from fsipetsc.kernels.arrays import row
-from fsipetsc.kernels.loops import each, otherwise, pick, stop, variable, when
+from fsipetsc.kernels.loops import each, otherwise, pick, row, stop, variable, when
 from fsipetsc.particles.members import NUMBERS, SLIPS, SOLID
 
 #: a pivot below this part of its size before elimination belongs to a constraint that others imply

@@ -14,8 +14,7 @@ Runge-Kutta method keeps them. `end_rates` does the same for rates. To record.ga
 import numpy as np
 
 from fsipetsc.equations.vectors import add, choose, dot, per, scale, sub
-from fsipetsc.kernels.arrays import row
-from fsipetsc.kernels.loops import each, otherwise, pick, variable, when
+from fsipetsc.kernels.loops import each, otherwise, pick, row, variable, when
 from fsipetsc.particles import constraints
 from fsipetsc.particles.members import GAS, SOLID
 

@@ -13,7 +13,8 @@ import numpy as np
 
 from fsipetsc.blocks.block_problem import BlockFace
 from fsipetsc.checks import Array
-from fsipetsc.kernels.procedure import Code, Known
+from fsipetsc.kernels.loops import Known
+from fsipetsc.kernels.procedure import Code
 from fsipetsc.parallel.block_layout import PARTICLES_TAG, BlockLayout
 from fsipetsc.parallel.exchange import RowExchange
 from fsipetsc.particles import procedures

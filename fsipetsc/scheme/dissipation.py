@@ -47,8 +47,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from fsipetsc.equations.vectors import add, add_last, along, choose, dot, mean, scale, sub
-from fsipetsc.kernels.arrays import column, row
-from fsipetsc.kernels.loops import each, variable, when
+from fsipetsc.kernels.loops import Known, column, each, row, variable, when
 from fsipetsc.operators.sbp import undivided
 from fsipetsc.scheme.part import area, gas_at, moving, nodes_of
 
@@ -86,15 +85,12 @@ class Damping(SimpleNamespace):
             H = bands[k].weight * cells[k]
             for i in range(shape[k] - q):
                 least[k][i] = min(1.0, *H[i : i + q + 1])
-        self.weights, self.strides = undivided(q), np.array([1, shape[0], shape[0] * shape[1]])
+        self.order, self.weights = Known(q), undivided(q)
+        self.strides = np.array([1, shape[0], shape[0] * shape[1]])
         grids = (np.meshgrid(*lines, indexing="ij")[:d] for lines in (least, per_weight))
         self.norm, self.per_weight = (np.stack([one.ravel("F") for one in of]) for of in grids)
         self.alpha = np.zeros_like(self.norm)
         self.F = np.zeros((numbers, self.nodes + q * self.strides[d - 1]))
-
-    @property
-    def order(self):
-        return len(self.weights) - 1
 
     @property
     def nodes(self):

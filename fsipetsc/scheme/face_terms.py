@@ -19,8 +19,7 @@ import numpy as np
 from fsipetsc.blocks.face_formulas import FaceNode
 from fsipetsc.equations.tensors import add_unit, outer
 from fsipetsc.equations.vectors import add, along, dot, last_times, per, scale
-from fsipetsc.kernels.arrays import column, row
-from fsipetsc.kernels.loops import each, variable, when
+from fsipetsc.kernels.loops import column, each, row, variable, when
 from fsipetsc.kernels.symbols import exact
 from fsipetsc.scheme.part import area, gas_at, moving
 

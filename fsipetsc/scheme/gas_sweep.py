@@ -31,9 +31,8 @@ import numpy as np
 from fsipetsc.equations.gas import NEAR, Primitive, named
 from fsipetsc.equations.tensors import outer
 from fsipetsc.equations.vectors import add, along, mean, scale, sub
-from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel
-from fsipetsc.kernels.loops import each, when
+from fsipetsc.kernels.loops import each, when, zeros
 from fsipetsc.operators.slopes import slope
 from fsipetsc.scheme.sweep import Sweep, ends_of, in_order, order
 

@@ -34,8 +34,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.equations.vectors import add, dot, scale, sub
-from fsipetsc.kernels.arrays import column, row
-from fsipetsc.kernels.loops import each
+from fsipetsc.kernels.loops import column, each, row
 from fsipetsc.materials.stiffened_gas import PerfectGas, stiffened_gas
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.face_terms import add_areas, turn_plane

@@ -36,8 +36,7 @@ booked, work of constant forces if there are any, else (0,). impulse: (d,). ener
 outer face; the last one is of what comes through no face. heat: what of it is heat. total: (1,).
 """
 
-from fsipetsc.kernels.arrays import column, row
-from fsipetsc.kernels.loops import each, either, variable
+from fsipetsc.kernels.loops import column, each, either, row, variable
 
 
 def owned_planes(part, s):

@@ -11,15 +11,13 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fsipetsc.checks import datum
+from fsipetsc.checks import Array, datum
 from fsipetsc.errors import InputError, place_in, reason
 from fsipetsc.kernels.loops import each
 from fsipetsc.kernels.symbols import Record, Symbol, needed, numbers_of
 from fsipetsc.scheme.plan import DT, TIME
 
-Array = NDArray[Any]
 #: a function of more operations is left to Python: the compiler takes 2 to 3 s for so many
 MOST = 500
 #: of places (d symbols, or (d, n)) and the time: numbers and tuples of them, one for each target

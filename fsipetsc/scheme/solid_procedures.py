@@ -8,8 +8,7 @@ import numpy as np
 
 from fsipetsc.equations.tensors import add_unit, product, transpose
 from fsipetsc.equations.vectors import add, dot, per
-from fsipetsc.kernels.arrays import column, row
-from fsipetsc.kernels.loops import each
+from fsipetsc.kernels.loops import column, each, row
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.face_terms import strain_at
 from fsipetsc.scheme.monitor import observe

@@ -25,9 +25,8 @@ from types import SimpleNamespace
 import numpy as np
 
 from fsipetsc.equations.vectors import add, along, sub
-from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.kernel import OWNED, ROWS, Kernel, floats_of
-from fsipetsc.kernels.loops import each, either, pick, when, whole
+from fsipetsc.kernels.loops import each, either, pick, when, whole, zeros
 from fsipetsc.operators.sbp import Patch
 from fsipetsc.operators.slopes import axis_of, kinds, parts
 

@@ -52,19 +52,16 @@ class Moment(NamedTuple):
 
 
 def of_case(now: Moment) -> list[str]:
-    """Those of the case."""
     return [*now.state.problem.notes]
 
 
 def python_is_asked(now: Moment) -> list[str]:
-    """Why Python is asked for data."""
     asked = "Python is asked for data in each stage of a step, which takes longer: "
     found = now.state.not_recorded[:1] if isinstance(now.state, BlockState) else ()
     return [asked + why for why in found]
 
 
 def temperatures_stay(now: Moment) -> list[str]:
-    """Temperatures that stay at a face."""
     stays, problem = set(), now.state.problem
     for (k, *_), met in problem.outer_faces.items() if isinstance(now.state, BlockState) else ():
         name, material = problem.blocks[k].name, problem.blocks[k].material

@@ -51,10 +51,7 @@ OPTIONS = (
 
 
 def bench(arguments: list[str], comm: Comm) -> None:
-    """The command, with the arguments after its name. Collective on comm.
-
-    InputError for options, ranks that do not fit, another program that does not run; FileError.
-    """
+    """Run the command. Collective; FileError; InputError, also if another program does not run."""
     study = Study(comm, arguments, OPTIONS, "bench")
     opt = study.opt
     counts = sorted({*(opt["bench_ranks"] or [1 << k for k in range(16) if 1 << k <= comm.size])})

@@ -33,10 +33,7 @@ OPTIONS = (
 
 
 def convergence(arguments: list[str], comm: Comm) -> None:
-    """The command, with the arguments after its name. Collective on comm.
-
-    Raises InputError; ComputationError if a run fails; FileError.
-    """
+    """Run the command. Collective; InputError, FileError; ComputationError if a run fails."""
     case = together(comm, lambda: load_case(arguments[0]))
     study = Study(comm, arguments[1:], OPTIONS, f"{case.NAME}-convergence", case)
     from fsipetsc.stepping.run import build_problem  # with PETSc, which has been started now

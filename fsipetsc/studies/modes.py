@@ -52,9 +52,8 @@ EXACT = (
 
 
 def modes(arguments: list[str], comm: Comm) -> None:
-    """The command, with the arguments after its name. Collective on comm; rank 0 computes.
-
-    Raises InputError, also where the case is not in a steady state at first; FileError.
+    """Run the command. Collective, rank 0 computes; InputError, also where the case is not in a
+    steady state at first; FileError.
     """
     case, name = together(comm, lambda: load_case(arguments[0])), arguments[0]
     study = Study(comm, arguments[1:], OPTIONS, "modes", case)

@@ -22,10 +22,7 @@ OPTIONS = (
 
 
 def verify(arguments: list[str], comm: Comm) -> None:
-    """The command, with the arguments after its name. Collective on comm.
-
-    Raises InputError; ComputationError at the end where a row falls short; FileError.
-    """
+    """Run the command. Collective; InputError, FileError; ComputationError if a row falls short."""
     names = list(takewhile(lambda word: not word.startswith("-"), arguments))
     study = Study(comm, arguments[len(names) :], OPTIONS, "verify")
     for name in names:
