@@ -32,11 +32,16 @@ def slices(kind: np.dtype) -> dict[str, slice]:
     return {name: slice(first, first + size) for name, first, size in fields}
 
 
+def gained(problem: Any) -> dict[str, slice]:
+    """Where what came in from outside is among the last columns of a record, which have it."""
+    every = step_record(problem)
+    return slices(np.dtype([(n, every[n]) for n in every.names if SERIES[n].kind == GAIN]))
+
+
 def gain_of(problem: Any) -> SimpleNamespace:
     """What came in from outside in a step, as procedures have it."""
-    of_step, d = step_record(problem), problem.dimension
-    own = [(name, of_step[name]) for name in of_step.names if SERIES[name].kind == GAIN]
-    at, numbers = slices(np.dtype(own)), np.zeros(np.dtype(own).itemsize // 8)
+    at, d = gained(problem), problem.dimension
+    numbers = np.zeros(max(of.stop for of in at.values()))
     columns = {"mass": "mass_in", "lost": "lost_energy", "work": "force_work"}
     columns |= {"energy": "energy_face", "heat": "heat_face", "total": "energy_in"}
     found = {name: numbers[at.get(column, slice(0))] for name, column in columns.items()}

@@ -9,8 +9,8 @@ lies between it and the opposite one follows this alone.
 Inside is the Boolean sum of the faces: axis after axis, what is missing at the two faces is added,
 with the weights of the ends between them. On faces their values, to the bit.
 
-Around an axis (kappa = 1) or a centre (2) it is a flat grid of (z, s), s = |r|^kappa r/(kappa + 1),
-as r^kappa dr = ds; r is the last coordinate. With A = |r|^kappa, the velocity v of the grid, and
+Around an axis (m = 1 hoop) or a centre (m = 2) it is a flat grid of (z, s), s = |r|^m r/(m + 1), as
+r^m dr = ds; r is the last coordinate. With A = |r|^m, the velocity v of the grid, and
 D_k of summation by parts,
 
     b^k, J    metrics and Jacobian of (z, s): J = D s in one dimension, D_1 z D_2 s - D_1 s D_2 z
@@ -55,7 +55,7 @@ class Grid(SimpleNamespace):
         self, problem: BlockProblem, k: int, order: int, where: Range, nodes: Array, faces: Any
     ) -> None:
         block, centred, d = problem.blocks[k], problem.centred(k), problem.dimension
-        self.d, self.kappa = Known(d), Known(problem.symmetry)
+        self.d, self.hoops = Known(d), Known(problem.symmetry)
         about = problem, k, order, where
         self.wide: Any = (Curls if d == 3 else Wide)(*about, faces)
         self.blend = Blend(block, self.wide, nodes, centred)
@@ -132,12 +132,12 @@ class Radial(Grid):
     def edge(self, known):
         """Complete x, find A and flat, and fill a^k, A, source."""
         self.blend.complete(self.blend.moved, known, 0)
-        d, kappa, area = self.d, self.kappa, self.area
+        d, hoops, area = self.d, self.hoops, self.area
         self.place()
         for n in each(area.size, vector=True):
             *z, r = column(d, self.x, n)
-            area[n] = A = abs(r) if kappa == 1 else r * r
-            self.flat[:, n] = (*z, A * r / (kappa + 1.0))
+            area[n] = A = abs(r) if hoops == 1 else r * r
+            self.flat[:, n] = (*z, A * r / (hoops + 1.0))
         self.wide.run("metrics", self.flat, self.b, self.wide.P, everywhere=True)
         for n in each(area.size, vector=True):
             for k in range(d):
@@ -155,7 +155,7 @@ class Radial(Grid):
     def swing(self, known):
         """Velocity of the grid, and turning."""
         self.blend.complete(self.blend.moving, known, self.d)
-        d, kappa, v, area = self.d, self.kappa, self.v, self.area
+        d, hoops, v, area = self.d, self.hoops, self.v, self.area
         self.blend.fill(self.blend.moving, v, self.blend.every)
         for i in each(self.inner.size, vector=True):
             self.metrics[d * d : d * d + d, i] = column(d, v, self.inner[i])
@@ -167,7 +167,7 @@ class Radial(Grid):
         self.wide.run("metrics", self.w, self.turning, self.still)
         for i in each(self.inner.size, vector=True):
             n = self.inner[i]
-            spread = kappa * area[n] / self.x[d - 1, n] * v[d - 1, n]
+            spread = hoops * area[n] / self.x[d - 1, n] * v[d - 1, n]
             for m in range(d - 1, d * d, d):
                 self.turning[m, i] = exact(area[n] * self.turning[m, i] + spread * self.b[m, n])
 

@@ -229,8 +229,8 @@ def solid_metrics(problem: BlockProblem, k: int, order: int, where: Range) -> Ar
     """A^1, …, A^d and J0 of a range of nodes, (d d + 1, N). InputError if J0 <= 0,
     perhaps on this rank alone.
 
-    J0 = det G, A^k = J0 G^-T e_k from G = D X, node by node; both times R^kappa around an axis or
-    a centre, and then R is another row, below 0 of images, which are at a centre alone (kappa = 2).
+    J0 = det G, A^k = J0 G^-T e_k from G = D X, node by node; both times R^m around an axis (m =
+    1) or a centre (2), and then R is another row, below 0 of images, which are at a centre alone.
     """
     G, X = Wide(problem, k, order, where).gradients(), problem.positions(k, where)
     J = determinant(G)

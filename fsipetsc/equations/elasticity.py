@@ -15,12 +15,12 @@ On a curved reference map X(xi) with A^k = J0 (dX/dxi)^-T e_k, J0 = det dX/dxi,
 and the power of two nodes i, l in the direction k is (P_i A^k_i . v_l + P_l A^k_l . v_i)/2, which
 together is v . D_k (P A^k) + P A^k . D_k v. Unknowns of a node: q = (D_1 … D_d, v_1 … v_d, e).
 
-Around an axis (kappa = 1) or a centre (2) the last coordinate is a radius, r at R:
+Around an axis (m = 1) or a centre (2) the last coordinate is a radius, r at R:
 
-    F = (F of d dimensions, lambda),    lambda = r/R: the stretch of each of the kappa hoops
-    m0 J0 v_t = sum_k D_k (P A^k) - J0 kappa/R P_o e_r,    A^k and J0 with the weight R^kappa
+    F = (F of d dimensions, lambda),    lambda = r/R: the stretch of each of the m hoops
+    m0 J0 v_t = sum_k D_k (P A^k) - J0 m/R P_o e_r,    A^k and J0 with the weight R^m
 
-P_o is the last entry of the stress of an ordinary law, in kappa + d dimensions, at F and lambda[,
+P_o is the last entry of the stress of an ordinary law, in m + d dimensions, at F and lambda[,
 lambda] on the diagonal: in one dimension around an axis strain is plane. What the hoop stress takes
 from the motion is stored or becomes heat at the node itself. Source: docs/derivation.md, Solid.
 """
@@ -77,9 +77,9 @@ class Solid(NamedTuple):
         return tensors.bordered(F[:-1], F[-1], len(self.around)) if self.around else F
 
     def weight(self, x):
-        """r^kappa of a place, of what weighs the last number of its area vectors."""
-        kappa = len(self.around)
-        return 1.0 if kappa == 0 else x[-1] if kappa == 1 else x[-1] * x[-1]
+        """r^m of a place, of what weighs the last number of its area vectors."""
+        m = len(self.around)
+        return 1.0 if m == 0 else x[-1] if m == 1 else x[-1] * x[-1]
 
     def flat(self, x):
         """A place; around an axis or a centre (z, s), see fsipetsc.blocks.grid."""
@@ -90,7 +90,7 @@ class Solid(NamedTuple):
         return (*F, 1.0 + D[-1] / R) if self.around else F
 
     def with_hoop_force(self, acceleration, v, e, F, R):
-        """An acceleration less kappa P_o/(R m0) along r."""
+        """An acceleration less m P_o/(R m0) along r."""
         P = self.full_stress(F, self.temperature(v, e, F))[-1]
         return add_last(-len(self.around) * P / (self.m0 * R), acceleration)
 

@@ -215,14 +215,14 @@ def band(order: int, cells: int, periodic: bool = False) -> Band:
     return Band(S, h * op.norm_weights(n))
 
 
-def centred_band(order: int, cells: int, kappa: int) -> Band:
+def centred_band(order: int, cells: int, hoops: int) -> Band:
     """That of an axis which goes on beyond its first node to its mirror image, half a cell before
     it: node -1 - i is the image of node i. Images come after the nodes, so that ``part`` finds them
-    at numbers below 0. Around an axis (kappa = 1) nodes beside it have the weights AXIS.
+    at numbers below 0. Around an axis (one hoop) nodes beside it have the weights AXIS.
     """
     n, whole = cells + 1, band(order, 2 * cells + 1)
     weight = whole.weight * ((2 * cells + 1) / cells)
-    pairs = AXIS.get(order, {}) if kappa == 1 else {}
+    pairs = AXIS.get(order, {}) if hoops == 1 else {}
     farthest = max([whole.reach, *(l - i for i, l in pairs)])
     S = np.pad(whole.S, ((0, farthest - whole.reach), (0, 0)))
     for (i, l), w in pairs.items():

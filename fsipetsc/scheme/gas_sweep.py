@@ -8,10 +8,10 @@ The weight of a node is the product of those along all axes; S_il of a pair alon
 fsipetsc.operators.sbp times the weights along the other axes. The fluxes are those of
 fsipetsc.equations.gas.
 
-Around an axis (kappa = 1) or a centre (2) fluxes through the areas a^k = (b^k_1, A b^k_2), A =
-|r|^kappa, leave out what acts around it. With S of fsipetsc.blocks.grid, the momentum along r gets
+Around an axis (m = 1) or a centre (2) fluxes through the areas a^k = (b^k_1, A b^k_2), A = |r|^m,
+leave out what acts around it. With S of fsipetsc.blocks.grid, the momentum along r gets
 
-    (p - tau_o) S,    tau_o = mu (2 e/kappa - 2/3 (div + e)),    e = u_r S/J
+    (p - tau_o) S,    tau_o = mu (2 e/m - 2/3 (div + e)),    e = u_r S/J
 
 where e is the sum of the rates of all hoops, and is part of the divergence div + e in tau, too.
 Energy has no source. p S is sum_k D_k (a^k p) of a uniform p, so rest is kept; what p S does to the
