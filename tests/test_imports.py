@@ -9,8 +9,8 @@ from helpers import REPOSITORY
 PACKAGE = REPOSITORY / "fsipetsc"
 CODE = (REPOSITORY / "docs" / "code.md").read_text()
 #: folders and files of the package, as the page has them: each imports from those to its right
-TOLD = re.findall(r"`(\w+)`", CODE[CODE.index("`cli` →") : CODE.index("| folder")])
-ORDER = ["__main__", "api", *TOLD, "checks", "errors", "__init__"]
+TOLD = re.findall(r"`(\w+)`", CODE[CODE.index("`api` →") : CODE.index("| folder")])
+ORDER = ["__main__", *TOLD, "__init__"]
 RANK = {name: rank for rank, name in enumerate(ORDER)}
 RUN = {"stepping", "blockrun", "paper", "state"}
 #: who knows MPI, PETSc: who starts them, computes or writes with them, reads PETSc's options

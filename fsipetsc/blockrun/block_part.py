@@ -3,7 +3,7 @@ nodes and their data, for fsipetsc.scheme.face_terms.
 """
 
 import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from itertools import accumulate, pairwise
 from types import SimpleNamespace
@@ -232,12 +232,13 @@ class BlockPart(Part):
             found.append((begin, max(begin, end)))
         return found
 
-    def _record(self, functions: Sequence[Any]) -> None:
+    def _record(self, functions: Sequence[Any], of_grid: Mapping[str, Any]) -> None:
+        """Record functions. They take what their parameters name; methods of a grid it as self."""
         self.free, found = in_order(self.inner, self.d), self.about.found
         self.code, self.does = Code(f"#define ROW {self.volume.width}\n"), dict[str, Procedure]()
-        takes = {**vars(self), "part": self, "record": self.about.system.record}
-        takes |= {"self": getattr(self, "grid", None), "gain": found.gain, "found": found}
-        for f in functions:  # they take what their parameters name, methods the grid
+        takes = {"part": self, "record": self.about.system.record, **of_grid}
+        takes |= {"gain": found.gain, "found": found}
+        for f in functions:
             given = [takes[p] for p in inspect.signature(f).parameters if p in takes]
             self.does[f.__name__] = self.code.procedure(f"part_{f.__name__}", f, *given)
 
@@ -264,9 +265,8 @@ def _column(condition: Condition, names: Sequence[str], less: float, x: Any, t: 
 
 
 def _acting(problem: Any, k: int) -> list[tuple[int, int, Any, Effect]]:
-    """Axis, side, what stands there and what it adds to rates, of faces of block k where it does.
-
-    Also interfaces where a solid gets something from outside, and faces that p_ref loads.
+    """Axis, side, what stands there and what it adds to rates, of faces of block k where it does;
+    of interfaces where a solid gets something from outside, and faces that p_ref loads, too.
     """
     found, p_ref, solid = [], _left_out(problem, k), problem.blocks[k].kind == "solid"
     for (axis, side), condition in problem.kinds[k].items():

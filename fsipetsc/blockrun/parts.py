@@ -68,7 +68,8 @@ class GasPart(BlockPart):
         self.ends = SimpleNamespace(**self.nodes_of(faces)[0])
         grid = type(self.grid)
         moving = (*OF_MOVING_GAS, grid.swing) if self.moves else (grid.move,)
-        self._record((*moving, images, normals, *OF_GAS, grid.edge, grid.find_places))
+        of_grid = {"self": self.grid, "known": self.known, "X": self.X, "places": self.places}
+        self._record((*moving, images, normals, *OF_GAS, grid.edge, grid.find_places), of_grid)
 
     def _check_law(self, convection: str, sigma: float) -> None:
         law, owner = self.block.material.gas_law, f"the law of the gas '{self.block.name}'"
@@ -177,7 +178,7 @@ class SolidPart(BlockPart):
         kernels = self.kernels_of(solid_kernels, order, self.prestress is not None)
         self.volume = SolidSweep(self.laws, d, kernels, self.bands, self.patch)
         self.room = np.zeros((MONITORED + len(vars(self.columns)), self.patch.own[0]))
-        self._record((images, normals, *OF_SOLID))
+        self._record((images, normals, *OF_SOLID), {})
 
     def initial(self, q: Array) -> None:
         d, X = self.d, self.X[:, self.owned]

@@ -41,9 +41,8 @@ def procedures_of_steps(code: Code, found: Any) -> dict[str, Any]:
 def phases(
     layout: BlockLayout, parts: Sequence[Any], system: ParticleSystem, does: Any, data: Any
 ) -> dict[str, list[Any]]:
-    """Return the ``phases`` of fsipetsc.state.
-
-    does: procedures of steps, and what reduces extremes. data: those that fill recorded data.
+    """Return the ``phases`` of fsipetsc.state. does: procedures of steps, and what reduces
+    extremes. data: those that fill recorded data.
     """
     does = {**does, **system.does}
 

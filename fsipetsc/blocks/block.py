@@ -190,9 +190,7 @@ class Block:
                 raise InputError(f"{self}: its map is not smooth along axis {axis}, at {place}")
 
     def pieces(self) -> tuple[Array, Array]:
-        """Volumes (…) of up to 32 pieces along each axis, below 0 where the map is left-handed,
-        and their middles (d, …).
-        """
+        """Volumes (…), below 0 if left-handed, and middles (d, …) of pieces, at most 32 an axis."""
         index = [np.unique(np.linspace(0, c, min(c, 32) + 1).astype(int)) for c in self.cells]
         X, axes = self.places(mesh(index)), range(self.dimension, 0, -1)
         edges = [_means(np.diff(X, axis=axis), {*axes} - {axis}) for axis in axes]

@@ -191,11 +191,9 @@ class BlockProblem:
 
     @cached_property
     def invariants(self) -> dict[str, Any]:
-        """What must not change, as JSON has it: see fsipetsc.scheme.observables.
-
-        Less what comes in through faces and by forces, the mass of each body of gas, momentum and
-        energy; the entropy of gases, where it is known, nothing comes in, and they give no heat to
-        solids.
+        """What must not change, as JSON has it (fsipetsc.scheme.observables), less what comes in:
+        the mass of each body of gas, momentum, energy; the entropy of gases, where it is known,
+        nothing comes in, and they give no heat to solids.
         """
         blocks, outer = self.blocks, self.outer_faces.values()
         solids = [block.material for block in blocks if block.kind == "solid"]
@@ -230,9 +228,10 @@ class BlockProblem:
         self.gas_laws, self._law_of = list[Any](), dict[int, int]()
         gases = {k: block.material for k, block in enumerate(self.blocks) if block.kind == "fluid"}
         for k, gas in gases.items():
-            alike = [_same(gas.gas_law, other) for other in self.gas_laws]
+            law, every = gas.gas_law, self.gas_laws
+            alike = [type(law) is type(of) and all(map(np.array_equal, law, of)) for of in every]
             self._law_of[k] = [*alike, True].index(True)
-            self.gas_laws += [gas.gas_law] * (not any(alike))
+            self.gas_laws += [law] * (not any(alike))
         for members in self.members if len(self.gas_laws) > 1 else ():
             gases = [k for k, _ in members if k in self._law_of]
             if len({self._law_of[k] for k in gases}) > 1:
@@ -288,8 +287,3 @@ class BlockProblem:
             near = place_text(places[:, i])
             raise InputError(f"{where}: no node of a face is there; the nearest is at {near}")
         return solids[name], int(nodes[i])
-
-
-def _same(law: Any, other: Any) -> bool:
-    """Whether two laws have the same formulas and the same numbers."""
-    return type(law) is type(other) and all(map(np.array_equal, law, other))

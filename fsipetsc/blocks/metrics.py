@@ -135,9 +135,7 @@ class Wide(SimpleNamespace):
             self.run("metrics", x, a, self.P, box=self.boxes[b])
 
     def run(self, of, x, out, P, everywhere=False, box=None):
-        """Run a kernel on the range, or a box in it, or everywhere. x: planes of all nodes, out: of
-        the range, or of all.
-        """
+        """Run a kernel on the range, a box in it, or everywhere; x: planes of all nodes."""
         source, target = (x.reshape(-1), self.W, self.axes, self.at), (self.N, self.place)
         box = self.range if box is None else box
         if everywhere:

@@ -114,7 +114,6 @@ class Primitive(NamedTuple):
 
 
 def named(w):
-    """The primitive variables w with names."""
     rho, p, T, *u, per_rho, per_T = w
     return Primitive(rho, p, T, tuple(u), per_rho, per_T)
 

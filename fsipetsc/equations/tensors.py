@@ -119,9 +119,7 @@ def shear_excess(F: Tensor) -> Any:
 
 
 def largest_eigenvalue(B):
-    """An upper bound of the eigenvalues of a positive tensor, exact for a diagonal one: the right
-    end of Gershgorin's circles.
-    """
+    """An upper bound of the eigenvalues of a positive tensor, by Gershgorin's circles."""
     d, found = isqrt(len(B)), 0.0
     for i in range(d):
         others = [abs(B[i * d + j]) for j in range(d) if j != i]

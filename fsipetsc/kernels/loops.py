@@ -47,7 +47,6 @@ class Recording(Record):
         self.stores, self.kernels = 0, dict[str, None]()
 
     def whole(self, value: Any) -> Symbol:
-        """The symbol of a whole number."""
         return self.constant(value, whole=True)
 
     def line(self, form: str, *values: Any) -> None:
@@ -76,7 +75,6 @@ class Recording(Record):
 
 
 def recording() -> Recording:
-    """The recording of the procedure that runs."""
     return Recording.latest
 
 

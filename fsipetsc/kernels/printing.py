@@ -90,12 +90,6 @@ def _constant(value: float) -> str:
     return f"({text})" if text[0] == "-" else text
 
 
-def _power_of(value: float | None) -> int | None:
-    """n of a number 2^n, else None."""
-    part, exponent = frexp(value or 0.0)
-    return exponent - 1 if part == 0.5 else None
-
-
 class _Rewriting:
     """record: the new one. of: number of an old symbol -> core and exponent; uses: number of a core
     -> how often it is an operand.
@@ -127,6 +121,9 @@ class _Rewriting:
         return apply("*", 2.0**n, x) if n else x
 
     def _made(self, symbol: Symbol) -> tuple[Symbol, int]:
+        """A symbol x and n, of which an old symbol is 2^n x: the same operation on the cores of the
+        operands, whose powers of two go into n where the operation lets them out.
+        """
         operation, apply = symbol.operation, self.record.apply
         if symbol.value is not None:
             return self.record.constant(symbol.value), 0
@@ -135,9 +132,9 @@ class _Rewriting:
         cores, exponents = zip(*(self.of[o.number] for o in symbol.operands), strict=True)
         a, b, m, n = cores[0], cores[-1], exponents[0], exponents[-1]
         if operation in ("*", "/"):
-            first = _power_of(symbol.operands[0].value)
-            if operation == "*" and first is not None:
-                return b, n + first
+            part, exponent = frexp(symbol.operands[0].value or 0.0)
+            if operation == "*" and part == 0.5:  # it is 2^(exponent - 1)
+                return b, n + exponent - 1
             return apply(operation, a, b), m + (n if operation == "*" else -n)
         if operation == "neg":
             return apply(operation, a), m
@@ -161,8 +158,6 @@ def _has_uniform(x: Symbol) -> bool:
 
 
 def without_halves(wanted: Sequence[Symbol]) -> tuple[Record, list[Symbol]]:
-    """A record with fewer products that gives the same, and what is wanted of it: of one in which
-    nothing is exact.
-    """
+    """A record with fewer products that gives what is wanted, and that; nothing in it is exact."""
     made = _Rewriting(wanted)
     return made.record, [made.whole(symbol) for symbol in wanted]

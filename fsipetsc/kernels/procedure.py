@@ -171,9 +171,7 @@ class Code:
 
 
 class Calls:
-    """Calls of procedures that are loaded, each with up to two world vectors, one after the other
-    in C; library: of any code.
-    """
+    """Calls of loaded procedures, each with up to two world vectors; library: of any code."""
 
     def __init__(self, library: Any, calls: Sequence[tuple[Called, Any]]) -> None:
         self._library, self._kept = library, calls

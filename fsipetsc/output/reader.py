@@ -235,7 +235,11 @@ class Layer(Mapping[str, Array]):
     __eq__, __hash__ = object.__eq__, object.__hash__  # Mapping's would compare all values
 
     def read(self, names: Sequence[str], first: int, end: int) -> list[Array]:
-        """Return these fields in the frames from first to end. FileError."""
+        """Return these fields in the frames from first to end. FileError.
+
+        Frames are looked for in one file after the other. A finished result has a dataset for each
+        field; a piece has one table, with the columns of all fields for each of its frames.
+        """
         width, parts = len(self.fields), [[np.empty((0, *self.shape))] * len(names)]
         with layout.damage(self._run.path):
             for path, mark, count in self._run._files:

@@ -39,9 +39,7 @@ _CHUNK = 1 << 27  # numbers: PETSc writes to chunked datasets only, of less than
 
 
 class Kept(NamedTuple):
-    """What a restart keeps of a result with this mark: frames, rows of the series, and the time t
-    [s] at their end.
-    """
+    """What a restart keeps of a result of this mark: frames, rows of series, t [s] at their end."""
 
     mark: str
     frames: int

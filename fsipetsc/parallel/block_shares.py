@@ -23,10 +23,8 @@ WORTH_IT = 1.1
 
 
 class Extent(NamedTuple):
-    """A block as its partition sees it.
-
-    kind: "fluid" or "solid". shape: nodes per axis. least: nodes, at least, that a part has along
-    an axis that is cut. halo: width of the halo.
+    """A block as its partition sees it. kind: "fluid" or "solid". shape: nodes per axis. least: of
+    the nodes of a part along an axis that is cut. halo: width of the halo.
     """
 
     kind: str

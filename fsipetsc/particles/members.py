@@ -169,7 +169,9 @@ class Particle:
         }
 
     def _take_over(self, face: Face, gas: bool) -> None:
-        """Note what a face's condition prescribes; of two for the same the moving one."""
+        """Note what a face's condition prescribes; of two for the same the moving one. A roller is
+        a constraint alone. Walls that hold the gas across themselves alone count as "slip".
+        """
         met, faces = face.met, self.faces
         name = "" if met.part == "roller" else met.part
         name = "slip" if name == "wall" and (self.sticks or met.slides) else name

@@ -44,7 +44,6 @@ def summed(record, p):
 
 
 def kinetic(P, M):
-    """Energy of a body with this momentum."""
     return np.where(M > 0.0, 0.5 * dot(P, P) / M, 0.0)
 
 

@@ -89,12 +89,8 @@ class Damping(SimpleNamespace):
         self.strides = np.array([1, shape[0], shape[0] * shape[1]])
         grids = (np.meshgrid(*lines, indexing="ij")[:d] for lines in (least, per_weight))
         self.norm, self.per_weight = (np.stack([one.ravel("F") for one in of]) for of in grids)
-        self.alpha = np.zeros_like(self.norm)
+        self.alpha, self.nodes = np.zeros_like(self.norm), self.norm.shape[1]
         self.F = np.zeros((numbers, self.nodes + q * self.strides[d - 1]))
-
-    @property
-    def nodes(self):
-        return self.norm.shape[1]
 
     def difference(self, read, i, k, sign=1.0):
         """Return that of the numbers f = read(n) of nodes, from node i on along axis k."""

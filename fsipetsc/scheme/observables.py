@@ -36,7 +36,6 @@ class Entry(NamedTuple):
     label: str = ""
 
     def names(self, d: int) -> list[str]:
-        """The names of the series in d dimensions."""
         axes = zip(PLACES[:d], VELOCITIES[:d], strict=True)
         return list(dict.fromkeys(self.name.replace("*", x).replace("@", u) for x, u in axes))
 

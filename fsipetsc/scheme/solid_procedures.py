@@ -63,9 +63,7 @@ def monitor(part, found, y):
 
 
 def measure(part, y, q):
-    """Fill F of a part of a solid block; y, q: planes of its owned nodes, and of those with a
-    halo.
-    """
+    """Fill F of a solid block's part; y, q: planes of its owned nodes, and of all with a halo."""
     y, q = y.reshape(part.dof, part.masses.shape[0]), q.reshape(part.dof, part.metrics.shape[1])
     part.volume.sweep_strains(part, y, q, part.F)
 
@@ -90,9 +88,7 @@ def stressed(part, q, out):
 
 
 def seen_at(part, q, own, node):
-    """Return what `observe` asks for. Convection is inf where the state is not physical; a J that
-    is no number is left out.
-    """
+    """Return what `observe` asks for. Convection is inf where the state is not physical."""
     solid, d = part.laws, part.d
     displacement, v, e = row(d, q, own), row(d, q, own, d), q[own, 2 * d]
     F = column(solid.strains(d), part.F, own)

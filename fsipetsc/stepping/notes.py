@@ -41,9 +41,7 @@ NOTHING = 1e-12
 
 
 class Moment(NamedTuple):
-    """What notes are of: a state at t [s], with options; told: solids of which it was said that
-    they are beyond their law.
-    """
+    """What notes are of: a state at t [s], options; told: solids told of as beyond their law."""
 
     state: State
     opt: Mapping[str, Any]
