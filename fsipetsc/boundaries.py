@@ -67,7 +67,7 @@ class Wall(Boundary):
     """A wall that a gas sticks to: insulated, of a given temperature, or with a given heat flux.
 
     All data are numbers, or functions of t [s] from 0 to the end of the run. A wall that moves, or
-    does not insulate, needs `-fsi_coupling conservative`. Heat matters only to a gas that conducts.
+    does not insulate, needs `-fsi_coupling conservative`. Unless a gas conducts, heat stays there.
 
     Args:
         x: position [m].

@@ -126,6 +126,7 @@ def test_functions_as_laws_are_the_built_in_ones():
 WRONG = {
     "a tuple: expected a number": lambda: gas_law(**GAS | {"density": lambda p, T: (p, T)}),
     "law is 'rubber': expected 'log', 'neo-hookean'": lambda: ElasticSolid(**SOLID, law="rubber"),
+    "lambda_e is -1: expected": lambda: ElasticSolid(**SOLID | {"lambda_e": -1.0}),
     "kappa_e is nan": lambda: ElasticSolid(**SOLID | {"kappa_e": float("nan")}),
     "density(pressure(rho, T), T) is 2.04: expected 2": lambda: check_inverses(
         gas_law(**GAS | {"density": lambda p, T: 1.02 * p / (R * T)}), np.array([2.0]), 300.0, ""

@@ -196,18 +196,15 @@ class BlockPart(Part):
                 raise InputError(f"{where} at {place_text(X[n])}: expected {wanted}")
 
     def begin_as_held(self, q: Array, obeying: Array) -> None:
-        """Let nodes that something outside holds have the velocities of a state that obeys all
-        conditions, at their own rho and T; not where only round-off changes.
-        """
+        """What is held from outside gets the velocities that obey; its rho and T stay."""
         _, nodes, particle = self.about.system.own(self.k)
         rows = self.rows(nodes[self.about.system.record.facts.held[particle] == 1])
-        d, of, new = self.d, q[rows], obeying[rows]
-        gas = self.block.kind == "fluid"
+        gas, d, of, new = self.block.kind == "fluid", self.d, q[rows], obeying[rows]
         u, E = (slice(2, 2 + d), 2 + d) if gas else (slice(d, 2 * d), 2 * d)
         mass, new_mass = (of[:, 1:2], new[:, 1:2]) if gas else (1.0, 1.0)
         moved = mass * new[:, u] / new_mass
         change = 0.5 * ((moved**2 - of[:, u] ** 2) / mass).sum(axis=1)
-        matters = np.abs(change) > 1e-13 * np.abs(of[:, E])
+        matters = np.abs(change) > 1e-13 * np.abs(of[:, E])  # else it is round-off
         of[:, u], of[:, E] = moved, of[:, E] + change
         q[rows[matters]] = of[matters]
 

@@ -227,7 +227,6 @@ class SolidPart(BlockPart):
         d, nodes = self.d, self.owned[rows]
         T, p, stress, hoops = self.stressed(q, rows)
         v, x = q[nodes, d : 2 * d].T, self.X[:, nodes] + q[nodes, :d].T
-        hoops = hoops + p * (d == 1)
         if d > 1:
             return np.stack([*v, T, *stress[np.triu_indices(d)], *x, *hoops], axis=-1)
-        return np.stack([*v, T, stress[0, 0] + p, *x, p, *hoops], axis=-1)
+        return np.stack([*v, T, stress[0, 0] + p, *x, p, *(hoops + p)], axis=-1)

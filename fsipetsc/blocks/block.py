@@ -45,9 +45,9 @@ class Block:
             None: 0.
         exact: `exact(*X, t)` returns what `initial` does, where an exact solution is known.
         periodic: of each axis, whether it closes in itself and so has no faces; (): none.
-        prestress: `prestress(*X)` returns d*d numbers, row by row: a stress [Pa] that a solid has
-            beside that of its law for all time. Its energy is S : (F - 1) with heat "elastic", else
-            its work becomes heat.
+        prestress: `prestress(*X)` returns d*d numbers, row by row: a stress S [Pa] per area at rest
+            beside that of the law; it keeps its direction and gives no stiffness: for tension
+            stretch the solid. With heat "elastic" it stores S : (F - 1), else its work is heat.
         exact_stress: `exact_stress(*X, t)` returns the stresses of a solid [Pa] as results have
             them, to be compared as well.
     """

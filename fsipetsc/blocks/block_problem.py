@@ -27,8 +27,8 @@ class BlockProblem:
     Args:
         blocks: one or more blocks, in one, two or three dimensions.
         faces: face -> condition (`fsipetsc.blocks.conditions`) of each face that meets no other.
-        jumps: `jumps(*X, t)` returns d tractions [Pa] and heat [W/m2] per reference area, which
-            interfaces supply from outside; None: 0.
+        jumps: `jumps(*X, t)` returns d tractions [Pa], along the axes, and heat [W/m2] per
+            reference area, which interfaces supply from outside; None: 0.
         points: (name of a block, place X, `Hinge()`) for points of solids' faces that are held.
         notes: lines that the result carries.
         units: "SI", or "none" for a problem without dimensions.

@@ -118,7 +118,7 @@ class Warm(Condition):
 
     Args:
         T: temperature [K], a number or a function of (*X, t).
-        heat_flux: heat flux into the block [W/m2], likewise.
+        heat_flux: heat flux into the block [W/m2], likewise; of a solid per area at rest.
     """
 
     T: Datum = None
@@ -298,7 +298,7 @@ class Free(Warm):
     """A face of a solid under a pressure that follows it. Heat as of `Warm`.
 
     Args:
-        pressure: pressure [Pa], a number or a function of (*X, t).
+        pressure: pressure [Pa] per present area, a number or a function of (*X, t).
     """
 
     pressure: Datum = 0.0

@@ -25,7 +25,7 @@ class ElasticSolid:
 
     Args:
         mu_e: Lamé's constant of shear [Pa].
-        lambda_e: Lamé's other constant [Pa].
+        lambda_e: Lamé's other constant [Pa], not below -2/3 mu_e.
         kappa_e: heat conductivity [W/(m K)].
         m0: density in the reference state [kg/m3].
         alpha: specific heat [J/(kg K)].
@@ -52,8 +52,11 @@ class ElasticSolid:
     kind = "solid"
 
     def __post_init__(self) -> None:
-        ranges = {"mu_e": NONNEGATIVE, "lambda_e": NONNEGATIVE, "kappa_e": NONNEGATIVE}
+        ranges = {"mu_e": NONNEGATIVE, "lambda_e": ANY, "kappa_e": NONNEGATIVE}
         numbers(self, "ElasticSolid", {**ranges, "m0": POSITIVE, "alpha": POSITIVE, "p_ref": ANY})
+        if 3.0 * self.lambda_e < -(2.0 + 1e-12) * self.mu_e:  # K of a sphere is below 0
+            wrong = f"lambda_e is {self.lambda_e:g}: expected a number not below -2/3 mu_e"
+            raise InputError(f"ElasticSolid: {wrong}")
         if self.heat not in ("coupled", "elastic"):
             wanted = "expected 'coupled' or 'elastic'"
             raise InputError(f"ElasticSolid: heat is {described(self.heat)}: {wanted}")

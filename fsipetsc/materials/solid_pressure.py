@@ -31,7 +31,8 @@ class gruneisen(NamedTuple):
 
 
 class mie_gruneisen(NamedTuple):
-    """Mie and Grüneisen's pressure, for `pressing=…`: of shocks with the speed u_s = c_0 + s u_p.
+    """Mie and Grüneisen's pressure, for `pressing=…`. Alone it has shocks of the speed
+    u_s = c_0 + s u_p, and the bulk modulus: let K be 4/3 mu_e, or lambda_e = -2/3 mu_e.
 
     With eta = 1 - J, for -1/s < eta < 1/s, and p_H = m0 c_0^2 eta/(1 - s eta)^2:
     p = p_H (1 - G_0 eta/2) + G_0 m0 alpha (T - T_0).

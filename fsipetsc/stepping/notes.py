@@ -59,15 +59,15 @@ def python_is_asked(now: Moment) -> list[str]:
     return [asked + why for why in found]
 
 
-def temperatures_stay(now: Moment) -> list[str]:
+def heat_stays(now: Moment) -> list[str]:
     stays, problem = set(), now.state.problem
     for (k, *_), met in problem.outer_faces.items() if isinstance(now.state, BlockState) else ():
         name, material = problem.blocks[k].name, problem.blocks[k].material
         conducts = material.kappa if material.kind == "fluid" else material.kappa_e
-        if met.warms and not met.all_given and not conducts:
+        if (met.warms or met.heat_flux not in (None, 0.0)) and not conducts:
             stays.add(
-                f"{type(met).__name__} gives '{name}' a temperature, and it does not conduct heat: "
-                "only its nodes at the face have that temperature, so results depend on the grid"
+                f"{type(met).__name__} gives '{name}' a temperature or heat, and it conducts none: "
+                "only its nodes at the face get it, so results depend on the grid"
             )
     return sorted(stays)
 
@@ -224,7 +224,7 @@ BEGIN, FRAME, END = "a run begins", "a frame is saved", "a run ends"
 NOTES = (
     (BEGIN, of_case),
     (BEGIN, python_is_asked),
-    (BEGIN, temperatures_stay),
+    (BEGIN, heat_stays),
     (BEGIN, long_steps),
     (FRAME, imaginary_waves),
     (END, steep_waves),
