@@ -96,9 +96,7 @@ class BlockProblem:
 
     @property
     def face_names(self) -> list[str]:
-        """Of what energy comes in by: the outer faces, as "gas, axis 0, side 1"; at last that of
-        forces, interfaces and points that are held.
-        """
+        """What energy comes in by: outer faces, as "gas, axis 0, side 1"; at last all else."""
         names = (f"{self.blocks[k].name}, axis {a}, side {side}" for k, a, side in self.outer_faces)
         return [*names, "through no face"]
 

@@ -117,27 +117,27 @@ def layers(
             block = Block(name, layer.material, box, size, *of, periodic=(*closed, False))
             blocks[(*where, n)] = block
         top = high
-    faces = {}
+    faces, ends = {}, {(len(along), 0): lower, (len(along), 1): upper}
     for where, block in blocks.items():
-        n, layer = where[-1], stack[where[-1]]
+        layer, given = stack[where[-1]], {**at_sides[where[-1]], **ends}
         for axis, side in block.faces:
             beyond = (*where[:axis], where[axis] + 2 * side - 1, *where[axis + 1 :])
-            if beyond in blocks:
-                continue
-            condition, missing = at_sides[n].get((axis, side)), f"sides, of ({axis}, {side})"
-            if axis == len(along) and 0 <= beyond[axis] < len(stack):
-                condition, missing = layer.beside, "beside=…, as another layer has ended there"
-            elif axis == len(along):
-                condition = (lower, upper)[side]
-            elif condition is None and (layer.span is None or layer.span[axis] is None):
-                shift = [0.0] * len(where)
-                shift[axis] = (along[axis][1] - along[axis][0]) * (1 - 2 * side)
-                condition = Periodic(tuple(shift))
-            if condition is None:
-                wrong = f"a face has no condition: expected {missing}"
-                raise InputError(f"layer '{layer.name}': {wrong}")
-            faces[block.name, axis, side] = condition
+            if beyond not in blocks:
+                ended = axis == len(along) and 0 <= beyond[axis] < len(stack)
+                condition = layer.beside if ended else given.get((axis, side))
+                faces[block.name, axis, side] = condition or _goes_on(layer, along, axis, side)
     return BlockProblem(tuple(blocks.values()), faces, **more)
+
+
+def _goes_on(layer: Layer, along: Sequence[Extent], axis: int, side: int) -> Periodic:
+    """What stands at a face that has no condition. InputError if it must have one."""
+    if axis == len(along) or (layer.span is not None and layer.span[axis] is not None):
+        beside = "lower, upper, or beside=… where another layer has ended there"
+        wanted = f"sides, of ({axis}, {side})" if axis < len(along) else beside
+        raise InputError(f"layer '{layer.name}': a face has no condition: expected {wanted}")
+    shift = [0.0] * (len(along) + 1)
+    shift[axis] = (along[axis][1] - along[axis][0]) * (1 - 2 * side)
+    return Periodic(tuple(shift))
 
 
 def _at_sides(layer: Layer, sides: Sides | None, along: Sequence[Extent]) -> dict[Any, Condition]:

@@ -36,9 +36,7 @@ ALL = 3
 
 @cache
 def grid_kernel(d: int, stencil: Stencil, of: str, i: int = 0) -> Kernel:
-    """The kernel that makes planes out of planes x and of periods P, in d dimensions; of: the name
-    of what it makes, i: of which axis.
-    """
+    """The kernel that makes planes of what ``of`` names, of axis i, from places x, periods P."""
     kernel = Kernel(f"{of}_{i}{stencil.suffix}", f"{of.capitalize()} of nodes of a row.")
     j, k = (i + 1) % 3, (i + 2) % 3
 

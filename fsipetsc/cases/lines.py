@@ -2,6 +2,8 @@
 Normal modes of layers, exact for small motions, by an eigenvalue problem across the layers.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.polynomial import Chebyshev
 
@@ -280,24 +282,9 @@ def heat(opt: Opt) -> Problem:
     return Problem(layers, clamped(T=T0), Wall(1.0, T=T0), notes=(note,), units="none")
 
 
-@case(
-    {"fsi_h": 1 / 32, "ts_max_time": 1.0, "fsi_output_dt": 0.05},
-    *materials(fluid_mu=0.01, fluid_kappa=0.035 / 0.72, solid_density=1.0),
-    *materials(solid_mu=1.0, solid_lambda=1.0),
-)
-def wave(opt: Opt) -> BlockProblem:
-    """A wave along the interface of a gas and an elastic layer, a normal mode of known rate s.
-
-    Gas of density and temperature 1 above, below a rigid adiabatic wall, solid below, on a clamped
-    end; both at rest but for the mode, the slowest that swings more than it decays. Disturbances,
-    and displacements (x, y) of the solid, are proportional to exp(i k X + s t) and obey the linear
-    equations, with Hooke's law in plane strain. At y = 0 velocities and tractions are one and no
-    heat passes; where mu = 0 the gas slips. The solid is free of strain under the pressure at rest.
-    """
-    gas, solid = gas_of(opt), common.elastic_of(opt)
-    k, size, height, depth = 2.0 * np.pi, 1e-5, 1.0, 0.5
+def interface_mode(gas: Any, solid: Any, k: float, height: float, depth: float) -> Any:
+    """s of the mode of `wave`, amplitudes over Y of rho, u, v, T and of x, y, u, v. InputError."""
     ik, c = 1j * k, gas.sound_speed(1.0)
-
     (x_g, D), (x_s, E) = chebyshev(POINTS, 0.0, height), chebyshev(POINTS, -depth, 0.0)
     rho, u, v, T, x, y, U, V = np.eye(8 * POINTS).reshape(8, POINTS, 8 * POINTS)
     p, div = gas.R * (rho + T), ik * u + D @ v
@@ -327,9 +314,27 @@ def wave(opt: Opt) -> BlockProblem:
         of_gas, of_solid = polynomials(x_g, parts[:4]), polynomials(x_s, parts[4:])
         last = [np.abs(of_height.coef[-4:]).max() for of_height in (*of_gas, *of_solid)]
         if max(last) < 1e-6 * np.abs(parts).max():
-            break
-    else:
-        raise InputError("no normal mode of the layers is resolved")
+            return s, of_gas, of_solid
+    raise InputError("no normal mode of the layers is resolved")
+
+
+@case(
+    {"fsi_h": 1 / 32, "ts_max_time": 1.0, "fsi_output_dt": 0.05},
+    *materials(fluid_mu=0.01, fluid_kappa=0.035 / 0.72, solid_density=1.0),
+    *materials(solid_mu=1.0, solid_lambda=1.0),
+)
+def wave(opt: Opt) -> BlockProblem:
+    """A wave along the interface of a gas and an elastic layer, a normal mode of known rate s.
+
+    Gas of density and temperature 1 above, below a rigid adiabatic wall, solid below, on a clamped
+    end; both at rest but for the mode, the slowest that swings more than it decays. Disturbances,
+    and displacements (x, y) of the solid, are proportional to exp(i k X + s t) and obey the linear
+    equations, with Hooke's law in plane strain. At y = 0 velocities and tractions are one and no
+    heat passes; where mu = 0 the gas slips. The solid is free of strain under the pressure at rest.
+    """
+    gas, solid = gas_of(opt), common.elastic_of(opt)
+    k, size, height, depth = 2.0 * np.pi, 1e-5, 1.0, 0.5
+    s, of_gas, of_solid = interface_mode(gas, solid, k, height, depth)
 
     def swinging(amplitudes, X, Y, t):
         phase = size * np.exp(1j * k * X + s * t)

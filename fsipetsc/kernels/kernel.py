@@ -90,9 +90,7 @@ class Kernel:
                 self._arguments[name] = "const long *restrict " if bracket else "long "
 
     def __call__(self, n: Any, **given: Any) -> Symbol:
-        """Let a procedure run the kernel over n items. An array is given from its first item on.
-        Returns how many items were counted.
-        """
+        """Let a procedure run it over n items, given from the first one on; returns its count."""
         record, known = recording(), {"n": n, **given}
         values = [known[name] for name in sorted(self._arguments)]
         call = f"{self.name}({', '.join(['{}'] * len(values))});"

@@ -129,9 +129,7 @@ def number(index: Any) -> Symbol:
 
 
 class variable:
-    """A number that changes, at first ``first``. Reading value gives the number at that place of
-    the procedure; setting it stores.
-    """
+    """A number that changes: its value is read, or stored, at that place of the procedure."""
 
     def __init__(self, first: Any = 0.0) -> None:
         self._record, self._name = recording(), recording().new("v")

@@ -58,9 +58,7 @@ def _pointers(vectors: Sequence[np.ndarray]) -> tuple[int, int]:
 
 
 class Procedure(Called):
-    """A recorded procedure, which can be called once its code is loaded. text: the C function.
-    kernels: the texts of those that it calls.
-    """
+    """A recorded procedure. text: the C function; kernels: the texts of those that it calls."""
 
     def __init__(self, name: str, function: Callable[..., None], *records: Any) -> None:
         self.name, self._values = name, dict[str, Any]()

@@ -182,9 +182,7 @@ def check_inverses(law: Any, rho: Any, T: Any, owner: str) -> None:
 
 @np.errstate(all="ignore")
 def check_transport(law: Any, T: Any, owner: str) -> None:
-    """InputError if a law of viscosity and conductivity is below 0 at some of the temperatures T
-    (n,) [K], or is no number there.
-    """
+    """InputError if viscosity or conductivity is below 0, or no number, at some T (n,) [K]."""
     for name in ("viscosity", "conductivity"):
         found = np.broadcast_to(getattr(law, name)(T), np.shape(T))
         for i in np.flatnonzero(~(found >= 0.0))[:1]:

@@ -238,9 +238,7 @@ class RunWriter:
         return (kept.frames, kept.rows) if kept else (0, 0)
 
     def _join(self, kept: Kept | None = None) -> None:
-        """Make one file of all pieces, or of what is kept of a result. OSError; FileError if it is
-        damaged, or has not what is kept.
-        """
+        """Make one file of all pieces, or of what is kept. OSError; FileError if it is lost."""
         run = open_run(self.path)
         ends = run.series.get("t", np.empty(0))
         frames, rows = (kept.frames, kept.rows) if kept else (run.nframes, len(ends))

@@ -82,9 +82,7 @@ def solve(record, p, one, M, M_s, a, b):
 
 
 def eliminate(K, A, x, size):
-    """Solve A pi = x in place of x for K constraints and a symmetric semidefinite A; those that
-    others imply get no force. size: room for K numbers.
-    """
+    """Solve A pi = x in place of x; redundant constraints get 0. size: room for K numbers."""
     for k in each(K):
         size[k] = A[k, k]
     for k in each(K):
@@ -107,9 +105,7 @@ def eliminate(K, A, x, size):
 
 
 def slide(record, p, one):
-    """Project the velocities of a particle on what its constraints allow; the kinetic energy that
-    the solid loses goes to the gas.
-    """
+    """Project velocities on what constraints allow; the gas gets the energy the solid loses."""
     d, U, pi, M, M_s = record.d, record.U, record.pi, record.mass[p], record.solid_mass[p]
     rho, v, w = U[p, 0], row(d, record.v, p), row(d, record.data.wall, p)
     for k in each(one.count):

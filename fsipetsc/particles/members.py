@@ -37,9 +37,7 @@ SMOOTH = 0.8
 
 
 class Face(NamedTuple):
-    """A face at a node of a block, and its condition, or the block that it meets. Of a hinge, which
-    is at no face, the axis is -1.
-    """
+    """A face at a node of a block, and its condition or the block it meets; a hinge has axis -1."""
 
     block: int
     node: int

@@ -149,9 +149,7 @@ class Prescribed:
     def _require(
         self, v: Array, other: Array, most: Any, who: Any, times: Any, *words: str
     ) -> None:
-        """InputError where two velocities differ by more than ``most`` and round-off; words: what
-        they are, and what is expected.
-        """
+        """InputError where two velocities differ by more than ``most``; words: to say so."""
         most = most + ROUND_OFF * self._problem.tolerance / self._instant()
         for k, p in np.argwhere(np.linalg.norm(v - other, axis=1) > most)[:1]:
             one, two = (_text(u[k, :, p]) + self._problem.unit("m/s") for u in (v, other))

@@ -124,9 +124,7 @@ def own_members(record):
 
 
 def impose_conditions(record, y):
-    """What constraints and heat make of the sums, for the members of this rank; what came in is
-    added to the auxiliary unknowns.
-    """
+    """What constraints and heat make of the sums, for the members of this rank; what came in."""
     if record.slips:
         for p, one in constraints.every(record):
             with when(one.count > 0):

@@ -68,9 +68,7 @@ class Form(NamedTuple):
 
 
 def convection_of(option: str, gas: Any) -> Form:
-    """Return the form that -fsi_convection asks for. auto: the entropy form where its flux
-    conserves the entropy of the gas's law.
-    """
+    """The form that -fsi_convection asks for; auto: entropy, where the gas's law has it."""
     entropy = option != "divergence" and isinstance(gas.law, CONSERVED)
     return Form(entropy, entropy and any(gas.force))
 

@@ -99,9 +99,7 @@ def images(part):
 
 
 def rates(part, gain, found, y, f):
-    """Fill the part of f, from that of a completed y, with rates or stages (fsipetsc.scheme.sweep).
-    What comes in goes to ``gain``.
-    """
+    """Fill the part of f, from that of a completed y, with rates or stages; add to ``gain``."""
     own, q, of_f = owned_planes(part, y), ghosted_planes(part, y), owned_planes(part, f)
     part.volume.sweep(part, found, own, q, of_f)
     for term in part.terms:

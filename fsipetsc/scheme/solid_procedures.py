@@ -16,9 +16,7 @@ from fsipetsc.scheme.part import book, ghosted_planes, nodes_of, owned_planes
 
 
 def store(part, record, y):
-    """Tell particles what members of a solid store: energy per mass [J/kg] that is neither kinetic
-    nor heat. See fsipetsc.particles.system.
-    """
+    """Tell particles the energy per mass of members [J/kg] that is neither kinetic nor heat."""
     rows, q = part.rows_of_stored, ghosted_planes(part, y).T
     for i in each(rows.shape[0]):
         at, energy = part.stored_at[i], 0.0

@@ -52,9 +52,7 @@ class SolidSweep(Sweep):
         self.take(self.steps, [(do, box, box) for box, do in every])
 
     def sweep_strains(self, part, y, q, F):
-        """Fill planes of the strains F of the owned nodes; y, q: planes of their unknowns, and of
-        those of a halo of one reach.
-        """
+        """Fill planes F of the owned nodes; y, q: of their unknowns, and with one reach more."""
         own, kernels = 2 + len(self.kernels.conduct), self.kernels.strains
         self.begin(part, None, y, q, F)
         self.take(self.to_strains, ((self.load, 0, 0), (partial(self.run, kernels), own, own)))

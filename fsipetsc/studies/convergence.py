@@ -6,7 +6,7 @@ or L2) of the mean over these, over the largest range on the finest grid of all 
 in layers of its kind.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial, reduce
 from itertools import pairwise
 from typing import Any
@@ -40,16 +40,9 @@ def convergence(arguments: list[str], comm: Comm) -> None:
 
     opt, problem = study.opt, build_problem(case, study.opt, comm)
     exact = all(layer.exact is not None for layer in problem.layers)
-    factors = (4, 2, 1, 1 / 2, 1 / 4) if exact and problem.dimension == 1 else (2, 1, 1 / 2)
     every = exact and "fsi_order" not in study.given
     orders = opt["fsi_orders"] or ((2, 4, 6, 8) if every else [opt["fsi_order"]])
-    hs = sorted({*(opt["fsi_hs"] or [of * opt["fsi_h"] for of in factors])}, reverse=True)
-    ratios = [coarse / fine for coarse, fine in pairwise(hs)]
-    if not exact and (len(hs) < 3 or max(ratios) > 1.001 * min(ratios)):
-        raise InputError(
-            f"the case {case.NAME} has no exact solution: its grids are compared with each other; "
-            "that takes three or more, each finer by the same factor, as in -fsi_hs 0.1,0.05,0.025"
-        )
+    hs = spacings(case.NAME, opt, exact, problem.dimension)
     source, norm = "exact solution" if exact else "next grid", opt["fsi_norm"]
     end, unit = opt["ts_max_time"], " s" * (problem.units == "SI")
     about = f"{case.NAME}, distances from the {source} in {norm} at t = {end:g}{unit}"
@@ -87,6 +80,19 @@ def convergence(arguments: list[str], comm: Comm) -> None:
         combined += [row for row in rows if row.quantity.endswith("/combined")]
         study.on_first(partial(picture, about, combined, study.path.with_suffix(".png")))
     study.say(f"saved {study.path}")
+
+
+def spacings(name: str, opt: Mapping[str, Any], exact: bool, dimension: int) -> list[float]:
+    """Spacings of the grids, from coarse to fine. InputError if they cannot be compared."""
+    factors = (4, 2, 1, 1 / 2, 1 / 4) if exact and dimension == 1 else (2, 1, 1 / 2)
+    hs = sorted({*(opt["fsi_hs"] or [of * opt["fsi_h"] for of in factors])}, reverse=True)
+    ratios = [coarse / fine for coarse, fine in pairwise(hs)]
+    if not exact and (len(hs) < 3 or max(ratios) > 1.001 * min(ratios)):
+        raise InputError(
+            f"the case {name} has no exact solution: its grids are compared with each other; that "
+            "takes three or more, each finer by the same factor, as in -fsi_hs 0.1,0.05,0.025"
+        )
+    return hs
 
 
 def differences(runs: Sequence[Run], power: int) -> dict[str, list[float]]:

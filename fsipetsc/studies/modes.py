@@ -52,9 +52,7 @@ EXACT = (
 
 
 def modes(arguments: list[str], comm: Comm) -> None:
-    """Run the command. Collective, rank 0 computes; InputError, also where the case is not in a
-    steady state at first; FileError.
-    """
+    """Run the command. Collective, rank 0 computes; FileError; InputError, also if not steady."""
     case, name = together(comm, lambda: load_case(arguments[0])), arguments[0]
     study = Study(comm, arguments[1:], OPTIONS, "modes", case)
     from fsipetsc.stepping.run import build_problem  # with PETSc, which has been started now
