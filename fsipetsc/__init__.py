@@ -1,7 +1,6 @@
 """Layered fluid–structure interaction with summation-by-parts differences on PETSc.
 
-Importing the package is cheap and needs neither PETSc nor MPI; opening a result needs numpy and
-h5py.
+Importing the package is cheap and needs neither PETSc nor MPI; results need numpy and h5py.
 """
 
 import ast

@@ -26,10 +26,9 @@ class OfRates(NamedTuple):
 class State:
     """A solution and all that belongs to it: steps, checkpoints, errors. All is collective.
 
-    Stages 0 to 3 of a step begin with the solution; SOLUTION is the one that comes of them.
-    A method has arrays y, this rank's part of the solution, and `changing`, which steps change and
-    stages do not follow from; shapes of the grids of layers; parts, number of a layer -> what this
-    rank has of it. It says
+    Stages 0 to 3 of a step begin with the solution; SOLUTION is the one that comes of them. A
+    method has arrays y, this rank's part of the solution, and `changing`, which steps change and
+    stages do not follow from; shapes of the grids of layers; parts: layer -> what is here. It says
 
         set_data(t)     data of the case are those at t [s]; what is wrong with them is the fault
         load(n, y), unload(n, y)  copy a solution into stage n, or out of it

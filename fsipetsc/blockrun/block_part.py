@@ -100,15 +100,10 @@ class BlockPart(Part):
         gas, turned = self.block.kind == "fluid", list[Any]()
         nodes, counts = self.nodes_of([face[:2] for face in acting])
         n = nodes["own"].size
-        pressure, heat, stress, width, slip = np.zeros((5, n))
-        if gas:
-            own = {"outside": np.zeros((n, self.d + 2)), "width": width, "slip": slip}
-        else:
-            traction, normal = np.zeros((2, n, self.d))
-            own = {"traction": traction, "normal": normal, "stress": stress}
-        add_node = pass_face if gas else load_face
-        of_all = {"pressure": pressure, "heat": heat, "effect": effect, "add_node": add_node}
-        faces = Faces(**nodes, **own, **of_all)
+        data = dict(zip(("pressure", "heat", "stress", "width", "slip"), np.zeros((5, n))))
+        data |= dict(zip(("traction", "normal"), np.zeros((2, n, self.d))))
+        data["outside"] = np.zeros((n, self.d + 2))
+        faces = Faces(**nodes, **data, effect=effect, add_node=pass_face if gas else load_face)
         ends = pairwise(accumulate(counts, initial=0))
         for (axis, side, condition, _), (begin, end) in zip(acting, ends, strict=True):
             rows = np.arange(begin, end)

@@ -48,8 +48,7 @@ class BlockState(State):
 
     y: this rank's part of the solution. recorded: nodes that are recorded at each step. bounds:
     (blocks, 2), largest rates of convection and diffusion [1/s]; h: mean size of the cells of the
-    finest block [m]. asked: Python is asked for data that depend on time, of which not_recorded
-    says why.
+    finest block [m]. asked: Python is asked for data that depend on time; not_recorded: why.
     """
 
     MOST_PARTS = 16
@@ -94,13 +93,10 @@ class BlockState(State):
         found.at_ends = tuple(self.latest_numbers[end] for end in ends)
         about = SimpleNamespace(layout=layout, opt=opt, particles=particles, system=self.system)
         about.found, about.columns = found, {name: where.start for name, where in at.items()}
-        kinds = {"fluid": GasPart, "solid": SolidPart}
-
-        def make() -> dict[int, Any]:
-            of = layout.parts.items()
-            return {k: kinds[problem.blocks[k].kind](part, about) for k, part in of}
-
-        self.parts = together(comm, make)  # a grid or a prestress may be wrong on some ranks
+        kinds: dict[str, Any] = {"fluid": GasPart, "solid": SolidPart}
+        every = [(k, kinds[problem.blocks[k].kind], part) for k, part in layout.parts.items()]
+        # a grid or a prestress may be wrong on some ranks
+        self.parts = together(comm, lambda: {k: of_kind(part, about) for k, of_kind, part in every})
         self._gases = [part for part in self.parts.values() if part.block.kind == "fluid"]
         found.left, self._time = self._left(), found.time
         self._compile(found, announce)

@@ -174,8 +174,7 @@ class Block:
 
     def _check_smooth(self) -> None:
         """InputError where second differences along an axis do not fall as the square of the
-        spacing. Of a smooth map they fall by 64 from 256 to 2048 intervals, at a kink by 4 to 16,
-        at a jump not.
+        spacing. Of a smooth map they fall by 64 from 256 to 2048 intervals, at a kink by 4 to 16.
         """
         for axis in range(self.dimension):
             lines = [np.array([0.0, 0.31, 1.0])] * self.dimension

@@ -21,8 +21,7 @@ class BlockProblem:
     """Blocks and the conditions at their faces.
 
     Faces are (name of a block, axis, side), side 0 at xi = 0 and 1 at xi = 1. Those whose nodes are
-    at the same places meet: gas and gas, solid and solid are joined, gas and solid have an
-    interface.
+    at the same places meet: two gases or two solids are joined, gas and solid have an interface.
 
     Args:
         blocks: one or more blocks, in one, two or three dimensions.

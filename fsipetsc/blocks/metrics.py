@@ -61,8 +61,7 @@ def grid_kernel(d: int, stencil: Stencil, of: str, i: int = 0) -> Kernel:
 
 
 class Wide(SimpleNamespace):
-    """A range of N nodes of a block, and the W nodes of the wider one that their derivatives need,
-    a record for procedures.
+    """A range of N nodes of a block, and the W nodes that derivatives there need; a record.
 
     where: the range, beyond the ends on periodic axes only, or to images before a centre. wide: it
     and, as far as there are nodes, as many more on each side as pairs reach; sizes: how many along

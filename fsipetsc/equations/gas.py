@@ -124,9 +124,8 @@ class Gas(NamedTuple):
     law, transport: as in fsipetsc.materials. mu: viscosity [Pa s], kappa: conductivity [W/(m K)];
     the transport law multiplies both. force: (d,) body force per mass [m/s2].
 
-    around: a zero for each hoop, around an axis or a centre, along which r is the last coordinate.
-    With A = |r|^m for m hoops, a^k = (b^k_1, A b^k_2) and w = (v_1, A v_2), in one dimension their
-    last numbers,
+    around: a zero for each of the m hoops around an axis or a centre; r is the last coordinate.
+    With A = |r|^m, a^k = (b^k_1, A b^k_2), w = (v_1, A v_2), in one dimension their last numbers,
 
         g = (b_l . w_r + b_r . w_l)/2,    J_t = sum_k (b^k . D_k w + w . D_k b^k)
 

@@ -4,8 +4,7 @@ Before that powers of two leave the products of a kernel: a mean of means takes 
 by 1/4, not three by 1/2. Each symbol of a record is written as 2^e times another one. Products add
 the exponents e, sums of terms with one exponent keep it, and what remains is multiplied at the end,
 at best to what all nodes share, before the loop. All of it is exact, but where a number is beyond
-the largest or below the least normal one. Sums may be fused with other products than those of the
-record.
+the largest or below the least normal one. Sums may be fused with other products than before.
 """
 
 from collections import Counter

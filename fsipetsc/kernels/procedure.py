@@ -12,8 +12,7 @@ world vectors. It runs once, on stand-ins of what the records have, and what it 
     call = code.procedure("heat", heat, part, gain)     then   code.load(library),  call(y, f)
 
 What it can do is in fsipetsc.kernels.loops. The text depends on kinds alone, not on sizes or
-values: arrays and numbers of the records are pointers and numbers in a struct that C gets, but for
-`Known` ones.
+values: arrays and numbers of the records, but for `Known` ones, are in a struct that C gets.
 """
 
 import ctypes

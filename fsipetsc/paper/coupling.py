@@ -10,8 +10,7 @@ d_j is the row of D in the gas, -d_j in the solid: beta_j/h if the gas lies righ
 1, else -beta_j/h. a_j are the weights of the norm, K, m0, ... the numbers of the solid, hats the
 state one point into the gas.
 
-*Energy*, Theorem 4.1: all four conditions at once, the temperatures among the unknowns,
-orthogonally in
+*Energy*, Theorem 4.1: all four conditions at once, with the temperatures, orthogonally in
 
     E = h sum_j a_j (W q^2)_j,    gas: W = p_rho/rho^ (rho), rho^ (u), rho^ cv/T^ (T)
                                   solid: W = m0 (u), 1/K^ (sigma), alpha m0/T^ (T)

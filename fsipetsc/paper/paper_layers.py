@@ -224,6 +224,5 @@ def exchanges_of(comm, layers, interfaces, memory):
             halos[rank, k : k + 2] = layer.is_gas
     for one in interfaces:
         rows[np.ix_(one.ranks, one.places)] = True
-    of_tags = enumerate([rows, halos])
-    table = memory[:, None]
+    of_tags, table = enumerate([rows, halos]), memory[:, None]
     return [RowExchange(comm, tag, owners, dict(enumerate(of)), table) for tag, of in of_tags]

@@ -1,8 +1,7 @@
 """Constraints of a particle: of its motion, and of temperatures: one of gas and solid where both
 conduct, or those that are given.
 
-With a_g = (R_m - u R_rho)/M and a_s = F/M_s the accelerations without constraints, Gauss's
-principle minimises
+With a_g = (R_m - u R_rho)/M and a_s = F/M_s without constraints, Gauss's principle minimises
 
     1/2 M |a_g' - a_g|^2 + 1/2 M_s |a_s' - a_s|^2     where     G_c . a_g' + S_c . a_s' = b_c:
 

@@ -10,8 +10,7 @@ area vectors of its faces as normal (docs/derivation.md, Particles):
 
 One sum for a wall and a solid that goes on from it: two normals that differ by the error of the
 differences would hold the gas in all directions. Where gas sticks to a solid the gas goes with it:
-walls of the gas hold the two across themselves alone, as SLIPS, and not at all where a Roller of
-the solid does that.
+walls of the gas hold the two across themselves alone, as SLIPS, or not where a Roller does that.
 """
 
 from collections import defaultdict

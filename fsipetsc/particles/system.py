@@ -1,5 +1,4 @@
-"""The particles in which a rank takes part: their record for procedures, exchanges with other
-ranks, prescribed data.
+"""The particles in which a rank takes part: their record, exchanges with other ranks, data.
 
 Owners of the members of a particle send each other what is extensive of them; each adds it up in
 the same order and solves the same small system: see fsipetsc.particles.constraints.

@@ -2,11 +2,10 @@
 
     weight_i (J U)_t,i = - sum_k sum_l S_il (F^k(i, l) - {a^k . f_v})
 
-and a constant force, which is summed pair by pair like the fluxes. On a grid that moves J has the
-flux - g, that of U = 1; fsipetsc.scheme.gas_terms adds a^k . v of nodes at the end of an axis.
-The weight of a node is the product of those along all axes; S_il of a pair along axis k is that of
-fsipetsc.operators.sbp times the weights along the other axes. The fluxes are those of
-fsipetsc.equations.gas.
+and a constant force, summed pair by pair like the fluxes. On a grid that moves J has the flux - g,
+that of U = 1; fsipetsc.scheme.gas_terms adds a^k . v of nodes at the end of an axis. The weight of
+a node is the product of those along all axes; S_il of a pair along axis k is that of
+fsipetsc.operators.sbp times the weights along the others. The fluxes: fsipetsc.equations.gas.
 
 Around an axis (m = 1) or a centre (2) fluxes through the areas a^k = (b^k_1, A b^k_2), A = |r|^m,
 leave out what acts around it. With S of fsipetsc.blocks.grid, the momentum along r gets
@@ -18,9 +17,8 @@ Energy has no source. p S is sum_k D_k (a^k p) of a uniform p, so rest is kept; 
 entropy cancels what sum_k D_k a^k leaves of the fluxes; viscosity makes entropy at each node.
 
 The flux of a pair is computed once and added to both of its nodes. The sum of the lower node
-belongs to the row at work; that of the upper node waits in a row of its own. The fluxes reach a
-node in an order that does not depend on how a block is cut, so neither do the bits of its rate. The
-kernels are at the end.
+belongs to the row at work; that of the upper node waits in a row of its own. Fluxes reach a node in
+an order that does not depend on how a block is cut, nor does its rate. Kernels are at the end.
 """
 
 from functools import partial
@@ -69,8 +67,7 @@ class GasSweep(Sweep):
 
     def __init__(self, gas, d, kernels, bands, patch):
         stages_before = 1 + kernels.viscous
-        of_stages = stages_before, stages_before
-        super().__init__(gas, d, kernels, bands, patch, TILES[d - 1], *of_stages)
+        super().__init__(gas, d, kernels, bands, patch, TILES[d - 1], *[stages_before] * 2)
         x, _, last = in_order(bands, d)
         *others, (begin, beyond), (_, end) = self.ranges
         self.steps = order(last.S, (*others, (begin, beyond), (begin, end)))

@@ -1,5 +1,4 @@
-"""What is known after a step: extremes of all nodes, which bound the next step, sums over nodes,
-and what came in.
+"""What is known after a step: extremes of nodes, which bound the next one, sums, what came in.
 
 Each node counts in one column of a room, which has a row for each extreme, then one for each sum.
 In the end the columns are combined in their order, so the bits do not depend on the vector length.
@@ -24,9 +23,8 @@ MONITORED, CONVECTION, LEAST_J = 5, 1, 3
 def survey(room, least, rows, see, columns=ROOM_COLUMNS):
     """Return variables with the extremes of all nodes, each at least ``least``, and a dict: name ->
     variable with a sum. rows: one loop, which yields begin, end and more of nodes begin … end - 1:
-    [(a, b, None)] of a layer; of a block 0, n and where a row of n nodes begins, one row after the
-    other. see(i, more): the extremes of a node, of which NaN is none, and a dict: name -> what is
-    summed.
+    [(a, b, None)] of a layer; of a block 0, n and where a row begins, of each row. see(i, more):
+    the extremes of a node, of which NaN is none, and a dict: name -> what is summed.
     """
     room[: len(least), :columns], room[len(least) :, :columns] = -np.inf, 0.0
     for begin, end, more in rows:

@@ -103,9 +103,8 @@ def drifts(
 ) -> dict[str, np.ndarray]:
     """Relative drifts of the invariants that must hold, after each step: name -> (steps,).
 
-    On blocks these are masses, all components of momentum, and energy, less all that comes in
-    through faces and by body forces; the entropy of gases where nothing comes in and solids take no
-    heat from them.
+    On blocks these are masses, all components of momentum, and energy, less all that comes in; the
+    entropy of gases where nothing comes in and solids take no heat from them.
 
     held: which ones must hold (fsipetsc.blocks.block_problem.BlockProblem.invariants). first: the
     integrals before the first step of the series. Entropy counts only where it decreases. Momentum

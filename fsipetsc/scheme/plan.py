@@ -2,8 +2,7 @@
 long the next one is, and how many steps one call of C makes.
 
 A batch of steps ends when as many are made as are allowed (-ts_max_steps, room in the journal),
-when a time to be saved is reached, or when there is a failure or a signal. Each step fills a row of
-the journal.
+when a time to be saved is reached, or at a failure or a signal. Each step fills a journal's row.
 
 Procedures take and fill ``found``, a record of the solution y, its stages, total: the sum that
 becomes the next one, gain (fsipetsc.scheme.part), plan: see `plan_next`, time: (1,) of recorded

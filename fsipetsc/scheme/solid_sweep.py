@@ -1,7 +1,6 @@
 """Rates of the nodes of a solid block, without fluxes through its faces. Equations are those of
 fsipetsc.equations.elasticity, derivatives D_k along an axis and D°_k, without the flux through its
-ends, those of fsipetsc.operators.slopes. With the tractions t^k = P A^k, the rates of displacement,
-velocity and energy are
+ends, those of fsipetsc.operators.slopes. With the tractions t^k = P A^k the rates are
 
     D_t = v,    J0 m0 v_t = sum_k D°_k t^k,
     J0 m0 e_t = v . sum_k D°_k t^k + sum_k t^k . D_k v.

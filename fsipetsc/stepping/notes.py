@@ -1,6 +1,5 @@
 """What is said of a run: notes, by the table at the end; states from which a run cannot go on; by
-how much mass, momentum, energy and entropy have departed from their laws. All functions but the
-last one are collective.
+how much mass, momentum, energy and entropy depart from their laws. All but the last are collective.
 """
 
 from collections.abc import Mapping
@@ -125,8 +124,7 @@ def imaginary_waves(now: Moment) -> list[str]:
 
 
 def worst_waves(part: SolidPart, q: Array) -> list[tuple[float, int, list[float], float]]:
-    """Where waves are imaginary, the worst of each direction: how bad, number of the node, X,
-    stretch along the wave.
+    """Where waves are imaginary, the worst of each direction: how bad, node, X, stretch along it.
 
     Waves along N are real if the acoustic tensor along N at constant entropy
     (fsipetsc.equations.elasticity) is positive, so that all its leading minors are. Nodes with

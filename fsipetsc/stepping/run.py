@@ -114,8 +114,7 @@ def signals_noted(run: Integrator) -> Iterator[None]:
 class Run(Integrator):
     """One run: the steps, with messages, a result, checkpoints, and the laws that must hold.
 
-    Making one completes the initial data, or goes on from a checkpoint; no file is touched.
-    Collective. InputError.
+    Making one completes initial data, or goes on; no file is touched. Collective. InputError.
     """
 
     writer: RunWriter

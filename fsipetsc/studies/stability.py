@@ -135,8 +135,7 @@ def derivatives_near(
     gas: Fluid, solid: Solid, p_s: float, sizes: Array, n: int, N: int, own: Mapping[str, Any]
 ) -> tuple[Array, Array, float]:
     """(rates, completed unknowns, step of a run [s]) of layers of N points: derivatives of the six
-    unknowns of all points, over their sizes, by those of the n next to the interface, (6N, 6n).
-    own: options of the run.
+    unknowns of all points, over their sizes, by those of the n next to the interface; own: options.
     """
     from mpi4py import MPI
 
