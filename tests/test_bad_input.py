@@ -99,11 +99,7 @@ RIGHT_GAS = 'FluidLayer("right", air, (RIGHT, END), right_gas'
 LATER = ', forcing=lambda X, t: (0.0, 0.0 if t < 1.5e-5 else float("nan"), 0.0)'
 #: text of RIGHT, what stands there instead, words of the message; LINE: the line of the new text
 FAULTS = {
-    "syntax": (
-        "(opt: Mapping[str, Any])",
-        "(opt: Mapping[str, Any]",
-        ("case file faulty.py", "LINE"),
-    ),
+    "syntax": ("str, Any]) ->", "str, Any] ->", ("case file faulty.py", "LINE")),
     "no return": ("return Problem(", "Problem(", ("nothing", "Problem")),
     "an option": (
         'Option("plate_density"',
