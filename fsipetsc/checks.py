@@ -161,9 +161,8 @@ def checked(
     physical: bool = True,
     letters: str = "XYZ",
 ) -> list[Array]:
-    """What a function of the case's returns, an array of (n,) for each name. X: (d, n) places, in
-    messages with these letters, or NOWHERE for one number each. physical: what is called rho or T
-    must be above 0. InputError.
+    """What a function of the case's returns, (n,) for each name. X: (d, n) places, in messages with
+    these letters, or NOWHERE for one number each. physical: rho and T must be above 0. InputError.
     """
     with np.errstate(all="ignore"):  # what comes of it is checked
         values = call(function, tuple(arguments), where)

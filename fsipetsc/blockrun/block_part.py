@@ -40,8 +40,7 @@ class BlockPart(Part):
 
     about: layout of blocks; opt: options in force; particles: all of the problem, system: of those
     here; columns: name -> where a series, or this block's number of it, is in the record of a step;
-    found: see fsipetsc.scheme.plan.
-    InputError, perhaps on this rank alone.
+    found: fsipetsc.scheme.plan. InputError, perhaps on this rank alone.
     """
 
     def __init__(self, part: Part, about: SimpleNamespace) -> None:

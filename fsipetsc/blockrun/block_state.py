@@ -43,8 +43,7 @@ class BlockState(State):
     """A run's solution on blocks. Making one is collective on ``comm``. InputError where blocks,
     options and ranks do not fit.
 
-    opt: options, which else have their defaults. announce: called on rank 0, with a message, before
-    and after kernels are compiled.
+    opt: options, which else have their defaults. announce: told, on rank 0, of what is compiled.
 
     y: this rank's part of the solution. recorded: nodes that are recorded at each step. bounds:
     (blocks, 2), largest rates of convection and diffusion [1/s]; h: mean size of the cells of the

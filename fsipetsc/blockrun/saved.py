@@ -1,6 +1,4 @@
-"""What a result file holds of blocks: names of fields, columns of the record of a step; nodes that
-are recorded at each step (-fsi_probes).
-"""
+"""What a result file holds of blocks: fields, columns of the record of a step, recorded nodes."""
 
 from collections.abc import Sequence
 from types import SimpleNamespace

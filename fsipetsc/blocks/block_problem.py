@@ -134,9 +134,7 @@ class BlockProblem:
         return self.places_at(k, np.unravel_index(nodes, self.blocks[k].shape, order="F")).T
 
     def positions(self, k: int, where: Range) -> Array:
-        """X of a range of nodes of block k, (d, N), axis 0 fastest, as `places`. Beyond the ends of
-        a periodic axis they go on.
-        """
+        """X of a range of nodes of block k, (d, N), as `places`, also beyond periodic ends."""
         index = mesh([np.arange(*ends) for ends in where])
         return self.places_at(k, index).reshape(self.dimension, -1)
 

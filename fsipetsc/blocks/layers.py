@@ -69,8 +69,7 @@ def layers(
 ) -> BlockProblem:
     """The blocks of flat layers that lie one above the other, along the last axis.
 
-    Where a layer ends, all layers are cut into blocks, so that faces conform. Neighbours meet, be
-    they of gas or of a solid.
+    Where a layer ends, all layers are cut into blocks, so that faces conform. Neighbours meet.
 
     Args:
         stack: the layers, from below.

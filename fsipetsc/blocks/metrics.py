@@ -6,8 +6,7 @@ of solids. Those of gases in three dimensions have the curl form, with sum_k D_k
 with (i, j, k) cyclic (Thomas and Lombard, AIAA J. 17 (1979) 1030-1037). Along periodic axes only
 periodic functions are differentiated: X = x + sum_k xi_k P_k, with P_k the period of axis k, or 0.
 
-All are exact sums (fsipetsc.operators.slopes): blocks that share a face get the same bits for what
-lies within it, whichever way their axes run.
+All are exact sums (fsipetsc.operators.slopes): blocks that share a face get the same bits there.
 """
 
 from collections.abc import Sequence

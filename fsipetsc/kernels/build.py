@@ -2,8 +2,7 @@
 
 A library is named by a hash of its text, of what the environment says, and of the instruction set
 of the processor. So a folder that several machines share holds a library for each, and a machine
-without a compiler loads what another one of its kind has made. The file of a library ends with a
-hash of it: one that is damaged is made anew.
+without a compiler loads what another of its kind has made. A file that is damaged is made anew.
 
 The environment: CC names the compiler, CFLAGS are more flags for it. FSIPETSC_CACHE names the
 folder; else it is ``fsipetsc/libraries`` in XDG_CACHE_HOME or in the user's .cache.

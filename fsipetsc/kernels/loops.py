@@ -1,5 +1,4 @@
-"""Loops over nodes, faces and members that are recorded, for procedures
-(fsipetsc.kernels.procedure).
+"""Loops over nodes, faces and members that are recorded, for fsipetsc.kernels.procedure.
 
 Numbers that differ from node to node are Symbols (fsipetsc.kernels.symbols), and formulas of them
 are recorded as in a kernel. So are whole numbers that are known only later, as sizes and places in

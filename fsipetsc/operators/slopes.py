@@ -10,8 +10,7 @@ Inside of a block both weights are the same up to half the order of the operator
 
     D f = D° f = sum_m ahead_m (f_(i+m) - f_(i-m))
 
-Such a sum is its own mirror image. If it is exact (fsipetsc.kernels.symbols) it has the same bits,
-whichever way an axis runs.
+Such a sum, if exact (fsipetsc.kernels.symbols), has the same bits whichever way an axis runs.
 """
 
 from collections.abc import Iterator

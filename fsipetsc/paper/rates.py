@@ -1,5 +1,4 @@
-"""dy/dt at a rank's points of a layer, from its points with halos, which fulfil all conditions, and
-what is known of the solution after a step.
+"""dy/dt at a rank's points of a layer, from those with halos, which fulfil conditions; the monitor.
 
 Gas, (4.20): compressible Navier-Stokes in a rigid frame that moves with the velocity s(t) of the
 gas's interface point, X = x - x_I(t) + X_I, mu' = 4 mu / 3, e = rho (internal energy + u^2/2):

@@ -1,8 +1,7 @@
 """How the ranks share the nodes of blocks: plain integers, no communication.
 
 The nodes of a block are cut along its axes; a *part* is what lies between cuts, and belongs to one
-rank. Parts have so many nodes that no rank needs what lies beyond its neighbours, or rows of a
-closure that is not its own.
+rank. Parts have so many nodes that no rank needs more than its neighbours and its own closures.
 """
 
 from collections.abc import Sequence

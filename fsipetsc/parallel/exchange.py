@@ -36,8 +36,7 @@ class Route(NamedTuple):
 
 
 class Exchange(Called):
-    """One exchange, of the numbers of all routes. Making one is on all ranks that take part. It is
-    loaded from a library with EXCHANGES.
+    """One exchange, of the numbers of all routes, from a library with EXCHANGES; made on all ranks.
 
     source: None, if it is the world vector. tag: another one for each. empty: nothing is to do.
     """

@@ -46,8 +46,7 @@ def abandon_output() -> None:
 def together(comm: Comm, action: Callable[[], Result], asleep: bool = False) -> Result:
     """Return what action() returns on this rank. Collective, though the action must not be.
 
-    If it raises an FsiError on any rank, all ranks raise the error of the lowest one. asleep: ranks
-    that are done sleep until all are.
+    If it raises an FsiError on any rank, all raise that of the lowest. asleep: who is done sleeps.
     """
     fault, result = None, None
     try:

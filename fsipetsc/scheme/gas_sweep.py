@@ -90,9 +90,7 @@ class GasSweep(Sweep):
         self.take(self.steps, ((self.load, 0, 0), *viscous, rates))
 
     def rates(self, x, n, y, z):
-        """Add the fluxes of the pairs that begin in a row, from one before the tile on, and store
-        its rates if it is the tile's own.
-        """
+        """Add the fluxes of the pairs that begin in a row; store its rates if the tile has it."""
         self.low[:, self.margin : self.margin + n] = 0.0
         of_layer, of_tile = z >= self.first[2], y >= self.first_row
         if self.d == 3:

@@ -1,5 +1,4 @@
-"""What a gas has beside its sweep: which flux two nodes exchange, a constant force; what is
-done with a rank's part of a block in a step.
+"""What a gas has beside its sweep: fluxes of pairs, a constant force, what is done in a step.
 
 A constant force b, such as gravity, acts node by node: J rho b and its power are added to rates.
 With the two-point fluxes that conserve entropy, it comes from its potential Phi = - b . x, pair by
@@ -47,9 +46,8 @@ CONSERVED = PerfectGas, stiffened_gas
 
 class Form(NamedTuple):
     """A form of convection: which flux two nodes exchange. entropy: one that conserves entropy,
-    else the mean of the nodes' fluxes, which exists for any law; nothing is known of the entropy
-    then. raises: whether a constant force acts on the gas, which comes from its potential, pair by
-    pair; else it acts node by node.
+    else the mean of the nodes' fluxes, which exists for any law. raises: whether a constant force
+    acts on the gas, which comes from its potential, pair by pair; else it acts node by node.
     """
 
     entropy: bool

@@ -90,9 +90,7 @@ SERIES: Mapping[str, Entry] = {name: one for one in TABLE for name in one.names(
 
 
 def record(names: Collection[str], counts: Mapping[str, int]) -> list[tuple[Any, ...]]:
-    """Columns of doubles of these names, for a numpy dtype; counts: how many there are of each
-    ``of``. A column of none is left out.
-    """
+    """Columns of doubles of these names, for a numpy dtype; counts: how many of each ``of``."""
     shapes = ((name, (counts[of],) if (of := SERIES[name].of) else ()) for name in names)
     return [(name, "f8", shape) for name, shape in shapes if 0 not in shape]
 

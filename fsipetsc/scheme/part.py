@@ -47,8 +47,7 @@ def owned_planes(part, s):
 
 def ghosted_planes(part, s):
     """Return (dof, N), planes of this part with its halo, if it has one, which an exchange has
-    filled. Where only sweeps read the halo, its owned nodes may be older than s
-    (fsipetsc.blockrun.block_part).
+    filled. Where only sweeps read the halo, its owned nodes may be older than s.
     """
     n = part.metrics.shape[1]
     own = s[part.begin : part.begin + n * part.dof]

@@ -1,7 +1,6 @@
-"""What is done with a case before it runs. ``new FILE.py`` copies a template of fsipetsc/cases
-under a name of the user's. ``geometry CASE`` shows blocks as a table and a picture; nothing is
-compiled. ``compile CASE`` makes the kernels that the case needs, as on a login node
-whose compute nodes have no compiler.
+"""What is done with a case before it runs. ``new FILE.py`` copies a template under a name of the
+user's. ``geometry CASE`` shows blocks as a table and a picture; nothing is compiled. ``compile
+CASE`` makes the kernels of a case, as on a login node whose compute nodes have no compiler.
 """
 
 import shlex
