@@ -9,7 +9,7 @@ lies between it and the opposite one follows this alone.
 Inside is the Boolean sum of the faces: axis after axis, what is missing at the two faces is added,
 with the weights of the ends between them. On faces their values, to the bit.
 
-Around an axis (m = 1) or a centre (2) it is a flat grid of (z, s), s = |r|^m r/(m + 1), as then ds =
+Around an axis (m = 1) or a centre (2) it is a flat grid of (z, s), s = |r|^m r/(m + 1), as ds =
 r^m dr; r is the last coordinate. With A = |r|^m, the velocity v of the grid, and SBP D_k,
 
     b^k, J    metrics and Jacobian of (z, s): J = D s in one dimension, D_1 z D_2 s - D_1 s D_2 z
