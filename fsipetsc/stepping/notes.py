@@ -2,7 +2,7 @@
 how much mass, momentum, energy and entropy depart from their laws. All but the last are collective.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from itertools import product
 from math import isqrt
@@ -46,10 +46,6 @@ class Moment(NamedTuple):
     opt: Mapping[str, Any]
     t: float
     told: set[int]
-
-
-def of_case(now: Moment) -> list[str]:
-    return [*now.state.problem.notes]
 
 
 def python_is_asked(now: Moment) -> list[str]:
@@ -219,8 +215,8 @@ def of_laws(
 
 BEGIN, FRAME, END = "a run begins", "a frame is saved", "a run ends"
 #: when something is looked for, and what, if it is there, is said of it
-NOTES = (
-    (BEGIN, of_case),
+NOTES: tuple[tuple[str, Callable[[Moment], Sequence[str]]], ...] = (
+    (BEGIN, lambda now: now.state.problem.notes),
     (BEGIN, python_is_asked),
     (BEGIN, heat_stays),
     (BEGIN, long_steps),

@@ -68,7 +68,5 @@ def _show(study: Study, name: str, title: str, rows: Sequence[Row]) -> None:
 
 
 def problem(name: str) -> str:
-    """Return problems/NAME.md: title, problem and parameters; then a paragraph with the reference,
-    and why its errors are expected, which no run of this program says.
-    """
+    """Return problems/NAME.md: title, problem, parameters; then reference and expectation."""
     return (files("fsipetsc.studies.verify") / "problems" / f"{name}.md").read_text("utf-8")
