@@ -32,11 +32,10 @@ from fsipetsc.scheme.sweep import in_order
 class BlockPart(Part):
     """One part of a block, which is what its procedures take: see fsipetsc.scheme.part.
 
-    X: (d, ghosted nodes) places in the reference map. owned, H: (M,) rows in the ghosted array of
-    the nodes that the rank owns, and their H. terms: what adds to rates. sources: of data that may
-    depend on time. added: whether something adds to the rates of nodes within the block, after its
-    sweep. reads_ghosted: whether something but sweeps reads the ghosted array. names: of what is
-    saved of a node. moves: whether its grid does. code, does: recorded procedures, also by name.
+    owned, H: (M,) rows in the ghosted array of the nodes that the rank owns, and their H. sources:
+    of data that may depend on time. added: whether something adds to the rates of nodes within the
+    block, after its sweep. reads_ghosted: whether something but sweeps reads the ghosted array.
+    names: of what is saved of a node. code, does: recorded procedures, also by name.
 
     about: layout of blocks; opt: options in force; particles: all of the problem, system: of those
     here; columns: name -> where a series, or this block's number of it, is in the record of a step;

@@ -136,9 +136,7 @@ class GasPart(BlockPart):
 
 
 class SolidPart(BlockPart):
-    """One part of a solid block. reference: (M,) J0 of owned nodes; squares: (M,) the squared wave
-    number that bounds a step, over m0 [m/kg].
-    """
+    """One part of a solid block. squares: (M,) of wave numbers that bound steps, over m0 [m/kg]."""
 
     def __init__(self, part: Part, about: SimpleNamespace) -> None:
         super().__init__(part, about)

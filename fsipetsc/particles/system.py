@@ -67,22 +67,12 @@ class ParticleSystem:
             **self._of_particles(owners[begin[:-1]] == me, most),
             laws=tuple(layout.problem.gas_laws),
             data=self.prescribed.data,
-            # sums and rates: of the gas mass, volume and (rho, rho u, E); of the solid mass,
-            # displacement, velocity, energy per mass, also the mean of members before a change,
-            # mean specific heat, mean energy per mass that is neither kinetic nor heat
-            **{name: np.zeros(n) for name in ("mass", "V", "solid_mass", "e", "mean_energy")},
-            **{name: np.zeros(n) for name in ("capacity", "potential")},
-            **{name: np.zeros((n, d)) for name in ("D", "v", "acceleration")},
-            **{name: np.zeros((n, d + 2)) for name in ("U", "U_t")},
+            **room(n, d, most),
             stored=self.stored.table,  # (rows, 1) energy that is neither kinetic nor heat
             rows=self.sums.table,  # what members add up
             stores=any(p.stores for p in particles),  # energies that are no heat matter to T
             slips=any(p.constraints for p in particles),  # there are constraints
-            # G and S of each constraint, how they turn, and area vectors of members
-            **{name: np.zeros((n, 2 * most * d)) for name in ("normals", "turning")},
-            of_normals=self.areas.table,
-            matrix=np.zeros((most, most)),  # room for the constraints of one particle
-            **{name: np.zeros(most) for name in ("pi", "pivots")},
+            of_normals=self.areas.table,  # area vectors of members
             auxiliary=layout.auxiliary,  # unknowns, at the end of a vector, of what came in
             first_auxiliary=layout.local_size - layout.auxiliary,
             gain=gain,
@@ -161,3 +151,20 @@ class ParticleSystem:
         self.sums()
         self.record.weight[:] = self.sums.table[:, 0]
         self.does["weigh_heat"]()
+
+
+def room(n: int, d: int, most: int) -> dict[str, Array]:
+    """Memory for what is found of n particles in d dimensions, with so many constraints at most.
+
+    Sums and rates: of the gas mass, volume and (rho, rho u, E); of the solid mass, displacement,
+    velocity, energy per mass, also the mean of members before a change, mean specific heat, mean
+    energy per mass that is neither kinetic nor heat. G and S of each constraint, how they turn;
+    room for the constraints of one particle.
+    """
+    numbers = "mass", "V", "solid_mass", "e", "mean_energy", "capacity", "potential"
+    shapes: dict[str, Any] = dict.fromkeys(numbers, n)
+    shapes |= dict.fromkeys(("D", "v", "acceleration"), (n, d))
+    shapes |= dict.fromkeys(("U", "U_t"), (n, d + 2))
+    shapes |= dict.fromkeys(("normals", "turning"), (n, 2 * most * d))
+    shapes |= {"matrix": (most, most), "pi": most, "pivots": most}
+    return {name: np.zeros(shape) for name, shape in shapes.items()}
