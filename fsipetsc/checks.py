@@ -66,8 +66,7 @@ def number(value: Any, what: str, bound: str = ANY, unit: str = "") -> float:
     expected = f"expected a number{' ' * bool(bound)}{bound}{f' [{unit}]' if unit else ''}"
     try:
         wrong = isinstance(value, (str, bytes, bool, np.bool_)) or np.ndim(value) > 0
-        wrong = wrong or np.iscomplexobj(value)
-        found = np.nan if wrong else float(value)
+        found = np.nan if wrong or np.iscomplexobj(value) else float(value)
     except (TypeError, ValueError, OverflowError):
         found = np.nan
     if not isfinite(found):
