@@ -273,6 +273,6 @@ def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
             sheet = Image.fromarray(np.concatenate(images[:: -(-len(images) // 8)]))
             palette = sheet.quantize(method=Image.Quantize.MAXCOVERAGE)
             images = [one.quantize(palette=palette, dither=Image.Dither.NONE) for one in images]
-        more = {"append_images": images[1:], "duration": 1e3 / rate, "loop": 0}
+        more = {"append_images": images[1:], "duration": 1e3 / rate, "loop": 0, "lossless": True}
         images[0].save(target, save_all=True, **more)
     return target
