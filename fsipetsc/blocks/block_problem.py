@@ -81,8 +81,6 @@ class BlockProblem:
             return centred_band(order, block.cells[axis], self.symmetry)
         return band(order, block.cells[axis], block.periodic[axis])
 
-    # faces
-
     @cached_property
     def outer_faces(self) -> dict[tuple[int, int, int], Condition]:
         """(block, axis, side) -> what stands at faces that no other one meets, but for r = 0."""
@@ -127,8 +125,6 @@ class BlockProblem:
         faces = self.kinds[k].items()
         return sorted([k, *f] for f, c in faces if isinstance(c, BlockFace) and c.block == gas)
 
-    # places
-
     def places(self, k: int, nodes: Array) -> Array:
         """X of nodes of block k, (len, d); on faces the same bits for all nodes at one place."""
         return self.places_at(k, np.unravel_index(nodes, self.blocks[k].shape, order="F")).T
@@ -162,8 +158,6 @@ class BlockProblem:
         normal = np.linalg.inv(np.array(slopes))[:, axis] * (1.0 if side else -1.0)
         normal /= np.linalg.norm(normal)
         return normal, here, np.mean(around, axis=0) if around else here - normal
-
-    # what happens
 
     @property
     def _forced(self) -> bool:
@@ -213,8 +207,6 @@ class BlockProblem:
             "inertia": sum(masses),
             "heat_capacity": sum(m * solid.alpha for m, solid in zip(masses, solids)),
         }
-
-    # checks
 
     def _find_laws(self) -> None:
         """Number the laws of gases; gas at one place has one state, and so one law. InputError

@@ -154,8 +154,7 @@ def centre(half: float, xi: Places) -> Places:
 
 
 def quarter(q: int, radius: float, half: float, xi: Places) -> Places:
-    """Map to a block between the one in the middle and the edge; axes: outwards, around. q: 0 is on
-    the right, 1 at the top …"""
+    """Map to a block between the middle and the edge; axes: outwards, around; q = 0: right, 1: top"""
     c, s = ((1, 0), (0, 1), (-1, 0), (0, -1))[q]
     inner, angle = centre(half, (1.0 + 0.0 * xi[0], xi[1])), np.pi / 4.0 * (2.0 * xi[1] - 1.0)
     x, y = between(xi[0], inner, (radius * np.cos(angle), radius * np.sin(angle)))
@@ -170,8 +169,7 @@ def between(s: Array, inner: Places, outer: Places) -> Places:
 def disk_in_gas(
     radius: float, half: float, cells: Sequence[int], solid: Any, gas: Any, beyond: Any, sides: Any
 ) -> BlockProblem:
-    """A disk of five blocks in gas of four, one for each quarter. Axis 0 of all but the block in
-    the middle goes outwards, axis 1 around.
+    """A disk of five blocks in gas of four. Axis 0 of all but the one in the middle goes outwards.
 
     cells: around a quarter, in the disk, in the gas. solid, gas: material, initial data, and more
     that a block may have. beyond: of q and xi, places of the gas. sides: conditions of its edge.

@@ -115,9 +115,8 @@ def pulse(opt: Opt) -> Problem:
 def box(opt: Opt) -> Problem:
     """Gas | solid | gas in a closed box with adiabatic walls, which conserves mass and energy.
 
-    The gas on the left is hotter and under a higher pressure than that on the right. At the walls
-    and interfaces the initial state is flat to the sixth derivative, so that it satisfies all
-    conditions there, as time goes on, too.
+    The gas on the left is hotter and under a higher pressure than that on the right. At walls and
+    interfaces the initial state is flat to the sixth derivative, so all conditions hold there.
     """
     gas, solid = gas_of(opt), solid_of(opt)
     P, T = (2.2, 2.0), (5.0, 4.0)  # on the left, on the right
@@ -198,8 +197,7 @@ POINTS = 36
 
 
 def chebyshev(n: int, low: float, high: float) -> tuple[Array, Array]:
-    """(points from high to low, matrix of the derivative), n points (Trefethen, Spectral Methods in
-    MATLAB, ch. 6)."""
+    """(n points from high to low, matrix D) (Trefethen, Spectral Methods in MATLAB, ch. 6)."""
     x = np.cos(np.pi * np.arange(n) / (n - 1))
     c = np.where((np.arange(n) % (n - 1)) == 0, 2.0, 1.0) * (-1.0) ** np.arange(n)
     D = np.outer(c, 1 / c) / (x[:, None] - x[None, :] + np.eye(n))

@@ -164,8 +164,7 @@ def residuals(of):
 
 
 def multipliers(S11, S12, S22, S23, S24, S33, S34, S44, r1, r2, r3, r4):
-    """(l1, l2, l3, l4) with S l = r; S symmetric and positive definite, S13 = S14 = 0. Cholesky
-    without roots."""
+    """(l1, l2, l3, l4) with S l = r; S positive definite, S13 = S14 = 0. Cholesky without roots."""
     v12 = S12 / S11
     D2, y2 = S22 - v12 * S12, r2 - v12 * r1
     v23, v24 = S23 / D2, S24 / D2

@@ -181,8 +181,7 @@ class OpenEnd(GasEnd):
     new = 1
 
     def beyond(self):
-        """(rho0, c0, tau, alpha, p_T/cv, b, kappa) of the gas beyond, and how much of order 1 there
-        is, 0 to 1."""
+        """(rho0, c0, tau, alpha, p_T/cv, b, kappa) of the gas beyond, the part of order 1."""
         gas, law, p0, T0 = self.gas, self.gas.law, self.data[0], self.data[1]
         rho = law.density(p0, T0)
         c, cv, by_heat, tau, capacity = of_sound(law, rho, T0)

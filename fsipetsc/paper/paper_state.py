@@ -116,8 +116,6 @@ class PaperState(State):
     def vectors(self, n: int) -> tuple[Array, Array]:
         return self._memory, self._memory
 
-    # what is known of it
-
     def _frames(self) -> Array:
         """(4, layers) of all ranks: the first and the last active point, and the frame."""
         found = np.full((4, len(self.layers)), -np.inf)
@@ -171,8 +169,6 @@ class PaperState(State):
 
     def seen(self) -> list[Any]:
         return [layer.seen() for layer in self.parts.values()]
-
-    # data
 
     def set_data(self, t: float) -> None:
         """Evaluate boundary data, jumps and forcing at time t [s]; errors are the fault."""
@@ -241,8 +237,6 @@ class PaperState(State):
     def begin(self) -> None:
         self._halos()
         self.show(0)
-
-    # checkpoints
 
     def more(self) -> Mapping[str, Array]:
         return {"frames": self._frames()}

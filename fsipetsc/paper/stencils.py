@@ -95,8 +95,7 @@ def derivatives(layer, rows, span, scale):
 
 
 def add_remainder(layer, scale, b, y, scratch, out, span):
-    """out[i] += scale H^-1 R(b) y at the points of a span; scratch: two rows, which have 2p
-    numbers more than there are points."""
+    """out[i] += scale H^-1 R(b) y at the points of a span; scratch: two rows, with 2p more."""
     op, (begin, end, A, B), (g, sums) = layer.op, span, scratch
     g = g[2 * op.p :]  # some differences begin before the first point
     means, T = MEANS[op.order], len(_ENDS[op.order])

@@ -138,8 +138,7 @@ class Trial:
 
     @property
     def closures(self) -> int:
-        """The order of errors where the solution is smooth: the closures are exact to a degree of
-        half the order of the operators, and errors have one order more."""
+        """The order of errors where solutions are smooth, one more than the closures' degree."""
         return self.order // 2 + 1
 
     def kinked(self, smoothness: float = 1.0) -> float:
