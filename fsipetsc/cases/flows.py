@@ -154,7 +154,7 @@ def centre(half: float, xi: Places) -> Places:
 
 
 def quarter(q: int, radius: float, half: float, xi: Places) -> Places:
-    """Map to a block between the middle and the edge; axes: outwards, around; q = 0: right, 1: top"""
+    """Map to a block between the middle and the edge; axes: outwards, around; q: right, top …"""
     c, s = ((1, 0), (0, 1), (-1, 0), (0, -1))[q]
     inner, angle = centre(half, (1.0 + 0.0 * xi[0], xi[1])), np.pi / 4.0 * (2.0 * xi[1] - 1.0)
     x, y = between(xi[0], inner, (radius * np.cos(angle), radius * np.sin(angle)))

@@ -44,9 +44,6 @@ def delta_of(layer):
     return number(layer.cells) - distance(layer)
 
 
-# formulas of an embedded boundary
-
-
 def lagrange(delta, degree):
     """Lagrange weights and their derivatives at delta for the nodes 0, 1, ..., degree.
 
@@ -278,9 +275,6 @@ def move_boundary(layer):
         with when((layer.cells > target) & (target >= layer.least - 1)):
             active[side] = active[1 - side] + outwards * target
             fill_ghost(layer)
-
-
-# ends of solids
 
 
 def close_solid(layer):

@@ -202,9 +202,6 @@ def powers(record, p, one, force, force_s, u, v, w):
     return power.value, of_solid.value
 
 
-# temperatures
-
-
 def weigh_heat(record):
     """Mass of the solid members of each particle, mean specific heat, mean of what they store."""
     for p in each(record.mass.size):

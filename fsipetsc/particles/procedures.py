@@ -90,9 +90,6 @@ def obeyed(record, p, one, of_gas, of_solid):
     return (V, M, choose(given, scale(V, tuple(rho_u)), P), E), (D, P_s, E_s)
 
 
-# normals, and what members store
-
-
 def gather(record, total):
     """Add up area vectors of members, or how they turn, and clear those of the members."""
     total[:] = 0.0
@@ -118,9 +115,6 @@ def own_members(record):
         r = record.mine[m]
         first, apart = record.at[r], record.apart[r]
         yield record.of_particle[r], r, lambda c, at=first, apart=apart: at + c * apart
-
-
-# constraints
 
 
 def impose_conditions(record, y):

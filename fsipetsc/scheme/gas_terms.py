@@ -102,9 +102,6 @@ def add_force(part, q, ghosted, rates, gain):
     gain.work[0] += book(part, gain, pushed)
 
 
-# procedures of a part in a step
-
-
 def follow(part, record):
     """Note displacement and velocity of the particles here by which the grid moves."""
     follows, known, data, d = part.follows, part.known, record.data, part.d
