@@ -230,11 +230,9 @@ class Blend(SimpleNamespace):
                     on &= (index[k] >= (not (centred and k == d - 1))) & (index[k] < last[k])
                 at, found = index[:, on], []
                 vertices = [{a: i, b: j} for i, j in ((0, 0), (1, 1), (1, 0), (0, 1))]
-                for moved in ({}, {a: 0}, {a: 1}, {b: 0}, {b: 1}, *vertices):
-                    place = [
-                        moved[k] * last[k] + 0 * i if k in moved else i for k, i in enumerate(at)
-                    ]
-                    at_face = np.ravel_multi_index(place, shape, order="F")
+                for ends in ({}, {a: 0}, {a: 1}, {b: 0}, {b: 1}, *vertices):
+                    to = [ends[k] * last[k] + 0 * i if k in ends else i for k, i in enumerate(at)]
+                    at_face = np.ravel_multi_index(to, shape, order="F")
                     found.append(np.searchsorted(nodes, at_face))
                 of_ends = [end_weights(block, k, at[k], centred) for k in (a, b)]
                 if a == b:  # the ends of an edge count as its edges a

@@ -174,10 +174,8 @@ class View:
 
     def _label(self, kinds: Sequence[str], more: str = "") -> str:
         """Return the label of these kinds, with what is subtracted, more, and the unit."""
-        label, base = (
-            "; ".join(dict.fromkeys(self.labels[kind] for kind in kinds)),
-            self.base[kinds[0]],
-        )
+        base = self.base[kinds[0]]
+        label = "; ".join(dict.fromkeys(self.labels[kind] for kind in kinds))
         if len(kinds) < len(self.labels) and len({*self.labels.values()}) == 1:
             label = f"{'gas' if kinds == ['fluid'] else 'solid'}: {label}"
         less = f" less {base:.12g}".replace("-", "−") if base else ""

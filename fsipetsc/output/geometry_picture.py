@@ -126,9 +126,7 @@ def _draw_block(view: drawing.Axes, problem: BlockProblem, k: int, styles: dict[
         if what not in BETWEEN or other is None or other >= k:  # else it is drawn
             for line in _lines(X.take(-side, axis)):
                 view.plot(*line.T, label=what, **styles[what])
-    centre, paper = (
-        X[tuple(n // 2 for n in X.shape[:-1])],
-        {"color": "white", "alpha": 0.7, "pad": 1.0},
-    )
+    centre = X[tuple(n // 2 for n in X.shape[:-1])]
+    paper = {"color": "white", "alpha": 0.7, "pad": 1.0}
     middle: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 9, "fontsize": 8}
     view.text(*centre, block.name, color=color, weight="bold", bbox=paper, **middle)

@@ -239,10 +239,8 @@ def _rates(gas, d, sums, moves, at_pressure):
     total = scale(per_row_weight * per_node_weight, total)
     mass, *momentum, energy = total[: d + 2]
     if gas.around:
-        (push,), (source,) = (
-            kernel.read("w", ROWS, 1, at_pressure),
-            kernel.read("source", PLANES, 1),
-        )
+        (push,) = kernel.read("w", ROWS, 1, at_pressure)
+        (source,) = kernel.read("source", PLANES, 1)
         momentum[-1] = momentum[-1] + push * source
     kernel.store("k", ROWS, (total[-1] if moves else 0.0, mass, *momentum, energy))
     if sums > d + 2:

@@ -42,11 +42,9 @@ class Entry(NamedTuple):
 
 STEP, EXTREME, INTEGRAL, PLACE, GAIN = "step", "extreme", "integral", "place", "gain"
 _AT_ENDS, _MOVED = "at an interface in one dimension", "displacement of the interface"
-_LOSSY, _PAPERS = (
-    'kinetic and elastic energy of solids with `heat="elastic"`',
-    "in the paper's method",
-)
+_LOSSY = 'kinetic and elastic energy of solids with `heat="elastic"`'
 _MISSED = "velocities", "stresses", "temperatures", "heat fluxes"
+_PAPERS = "in the paper's method"
 _APART = {name: f"by how much {name} are apart there, {_PAPERS}" for name in _MISSED}
 _LINE, _PAPER = (PLACE, "interface", "line"), (PLACE, "interface", "paper")
 _POINT, _MEAN = (PLACE, "point", ""), "of a solid minus its mean normal stress"
