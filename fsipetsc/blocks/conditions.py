@@ -338,9 +338,7 @@ class Absorbing(Warm):
 
 @dataclass(frozen=True)
 class Roller(Warm):
-    """A face of a solid that slides in its plane without friction; also a plane of symmetry. Heat
-    as of `Warm`.
-    """
+    """A solid's face that slides without friction; also a plane of symmetry. Heat as of `Warm`."""
 
     of = ("solid",)
     part = "roller"
@@ -348,8 +346,6 @@ class Roller(Warm):
 
 @dataclass(frozen=True)
 class Hinge(Condition):
-    """A point of a solid's face that is held, in `points` of a `BlockProblem`; the solid may turn
-    about it.
-    """
+    """A held point of a face, in `points` of a `BlockProblem`; the solid may turn about it."""
 
     of = ()  # no condition of a face

@@ -77,12 +77,10 @@ def draw_geometry(problem: BlockProblem, name: str, about: str) -> Path:
     with rc_context(drawing.STYLE):
         figure = Figure(figsize=(10.8, 3.4 if d == 1 else 7.0))
         view = figure.add_subplot(projection="3d" if d == 3 else None)
-        every = {
-            what for k in range(len(problem.blocks)) for what, _ in _faces(problem, k).values()
-        }
+        seen = {what for k in range(len(problem.blocks)) for what, _ in _faces(problem, k).values()}
         styles = {
             what: {"color": color, "linewidth": 3.0, "zorder": 3}
-            for what, color in zip(sorted(every - {*BETWEEN}), COLORS * 9)
+            for what, color in zip(sorted(seen - {*BETWEEN}), COLORS * 9)
         } | BETWEEN
         for k in range(len(problem.blocks)):
             _draw_block(view, problem, k, styles)

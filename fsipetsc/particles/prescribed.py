@@ -1,5 +1,4 @@
-"""What conditions prescribe at an instant for the particles of a rank: motion, temperatures, all
-unknowns.
+"""What conditions prescribe at an instant for a rank's particles: motion, temperatures, unknowns.
 
 Where faces meet, one condition decides: docs/cases.md has a table. Where another one that sticks or
 clamps, or that moves, wants a second velocity there, the equations have a singularity: density or
@@ -125,7 +124,7 @@ class Prescribed:
                     v, rate = (self._velocities(one, who, some) for one in both)
                     most = WRONG * max(np.abs(v).max(), np.abs(rate).max())
                     wanted = "that of x", "expected the derivative of x, or x alone"
-                    self._require(v, rate, most, who, some, about, *wanted)
+                    self._agree(v, rate, most, who, some, about, *wanted)
                 elif not c.moves and name == "wall":
                     faces = [self._particles[p].faces["wall"] for p in who]
                     n = np.array([self._problem.face_normal(*face[:4])[0] for face in faces]).T
@@ -133,22 +132,20 @@ class Prescribed:
                     v = self._velocities(c, who, times)
                     along = v - (v * n).sum(axis=1, keepdims=True) * n
                     most = ACROSS * np.abs(v).max(axis=1).max(axis=1, keepdims=True)
-                    self._require(v, along, most, who, times, about, *wanted)
+                    self._agree(v, along, most, who, times, about, *wanted)
         for faces, who in self._meetings():
             both = [self._velocities(face.met, who, times) for face in faces]
             most = APART * np.maximum(*(np.linalg.norm(v, axis=1) for v in both))
             one, other = (face.said(self._problem) for face in faces)
             names = f"the velocity of {one}", f"that of {other} which meets it there,"
-            self._require(*both, most, who, times, *names, NO_GRID)
+            self._agree(*both, most, who, times, *names, NO_GRID)
 
     def _velocities(self, condition: Any, who: Any, times: Sequence[float]) -> Array:
         """(times, d, particles)."""
         x = self._x[who].T
         return np.array([motion(condition, self._instant, x, t)[1] for t in times])
 
-    def _require(
-        self, v: Array, other: Array, most: Any, who: Any, times: Any, *words: str
-    ) -> None:
+    def _agree(self, v: Array, other: Array, most: Any, who: Any, times: Any, *words: str) -> None:
         """InputError where two velocities differ by more than ``most``; words: to say so."""
         most = most + ROUND_OFF * self._problem.tolerance / self._instant()
         for k, p in np.argwhere(np.linalg.norm(v - other, axis=1) > most)[:1]:
