@@ -143,6 +143,7 @@ class SolidPart(BlockPart):
         d, block, order, shock = self.d, self.block, self.order, about.opt["fsi_shock"]
         self.metrics = solid_metrics(self.problem, part.k, order, part.ghosted)
         self.inertia = self.metrics[d * d] * self.laws.m0
+        self.inverses = 1.0 / np.array([self.metrics[d * d], self.inertia])
         self.reference = self.metrics[d * d, self.owned]
         self.masses = self.H * self.inertia[self.owned]
         sizes = (self.metrics[: d * d, self.owned].reshape(d, d, -1) ** 2).sum(axis=1)

@@ -25,10 +25,10 @@ the ghosted array, in d dimensions it has what fsipetsc.parallel.block_layout.Pa
     follows: particles here that have them, follower_rows: where. reference, J: (M,) of the
     reference map, and of the grid, by `find_volumes`.
 
-    Of a solid: inertia: (N,) J0 m0. prestress: (d d, N) what P has beside, or None. F: (d d, M), or
-    one more with hoops, as monitored last. interfaces: (n, 2) number of an interface at this part
-    in one dimension, and owned row of its node. stored_at: ghosted rows of members that tell what
-    they store, rows_of_stored: where.
+    Of a solid: inertia: (N,) J0 m0, inverses: (2, N) of J0 and of that. prestress: (d d, N) what P
+    has beside, or None. F: (d d, M), or one more with hoops, as monitored last. interfaces: (n, 2)
+    number of an interface at this part in one dimension, and owned row of its node. stored_at:
+    ghosted rows of members that tell what they store, rows_of_stored: where.
 
 ``gain`` is a record of what comes into the problem from outside. numbers: all that follow, in the
 order of the record of a step. mass: of each block of gas. lost, work: (1,) work on solids if it is

@@ -45,7 +45,7 @@ class SolidSweep(Sweep):
         """
         kernels = self.kernels
         prestress = {} if part.prestress is None else {"prestress": part.prestress}
-        self.begin(part, found, y, q, f, **prestress)
+        self.begin(part, found, y, q, f, inverses=part.inverses, **prestress)
         heats = [partial(self.run, kernels.conduct)] * len(kernels.conduct)
         every = enumerate((self.load, partial(self.run, kernels.pulls), *heats, self.find_rates))
         self.take(self.steps, [(do, box, box) for box, do in every])
@@ -53,7 +53,7 @@ class SolidSweep(Sweep):
     def sweep_strains(self, part, y, q, F):
         """Fill planes F of the owned nodes; y, q: of their unknowns, and with one reach more."""
         own, kernels = 2 + len(self.kernels.conduct), self.kernels.strains
-        self.begin(part, None, y, q, F)
+        self.begin(part, None, y, q, F, inverses=part.inverses)
         self.take(self.to_strains, ((self.load, 0, 0), (partial(self.run, kernels), own, own)))
 
     def find_rates(self, x, n, y, z):
@@ -106,9 +106,9 @@ def _strain(solid, d, stencil):
 
 
 def _found_strain(kernel, solid, d, stencil):
-    A, (J0,) = kernel.read("metrics", PLANES, d * d), kernel.read("metrics", PLANES, 1, d * d)
+    A, (per_J0,) = kernel.read("metrics", PLANES, d * d), kernel.read("inverses", PLANES, 1)
     D_D = _slopes(kernel, stencil, "unknowns", (0,) * d, d)
-    gradient = scale(1.0 / J0, product(transpose(D_D), A))
+    gradient = scale(per_J0, product(transpose(D_D), A))
     D = kernel.read("unknowns", ROWS, d) if solid.around else ()
     R = kernel.read("metrics", PLANES, 1, d * d + 1)[0] if solid.around else 0.0
     return solid.with_hoops(add_unit(1.0, gradient), D, R)
@@ -140,9 +140,9 @@ def _pull(solid, d, stencil, prestressed):
 def _conduct(solid, d, stencil):
     kernel = Kernel("solid_conduct", "A^k . h with grad T = 1/J0 sum_k A^k D_k T.")
     solid = kernel.parameters(solid)
-    A, (J0,) = kernel.read("metrics", PLANES, d * d), kernel.read("metrics", PLANES, 1, d * d)
+    A, (per_J0,) = kernel.read("metrics", PLANES, d * d), kernel.read("inverses", PLANES, 1)
     D_T = _slopes(kernel, stencil, "temperatures", (0,) * d, 1)
-    gradient = scale(1.0 / J0, apply(transpose(A), D_T))
+    gradient = scale(per_J0, apply(transpose(A), D_T))
     F = kernel.read("strains", ROWS, solid.strains(d))
     kernel.store("heats", ROWS, apply(A, solid.heat_flux(F, gradient)))
     return kernel
@@ -152,7 +152,7 @@ def _accelerate(solid, d, stencil):
     says = "The rates v, Div P/m0 + b, Div (P^T v + h)/m0 + b . v."
     kernel = Kernel("solid_rates" + stencil.suffix, says)
     conducts, solid = solid.kappa > 0.0, kernel.parameters(solid)
-    per_mass = 1.0 / (kernel.read("metrics", PLANES, 1, d * d)[0] * solid.m0)
+    (per_mass,) = kernel.read("inverses", PLANES, 1, 1)
     v, t = kernel.read("unknowns", ROWS, d, d), kernel.read("tractions", ROWS, d * d)
     force = column_sums(_slopes(kernel, stencil, "tractions", range(0, d * d, d), d, True))
     power = dot(v, force) + dot(t, _slopes(kernel, stencil, "unknowns", (d,) * d, d))
