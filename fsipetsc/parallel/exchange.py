@@ -65,7 +65,7 @@ class Exchange(Called):
         runs = _runs(of, np.arange(of.size)), _runs(np.arange(to.size), to), _runs(*own)
         buffers = outgoing.ctypes.data, incoming.ctypes.data, 0
         copies = ((r.ctypes.data, len(r), b) for r, b in zip(runs, buffers, strict=True))
-        about = [_of_mpi("MPI_Startall"), _of_mpi("MPI_Waitall"), self._handles.ctypes.data]
+        about = [_of_mpi("MPI_Startall"), _of_mpi("MPI_Testall"), self._handles.ctypes.data]
         about += [statuses.ctypes.data, len(self._requests)]
         about += [0 if source is None else source.ctypes.data, target.ctypes.data]
         self._kept = np.array([*about, *chain(*copies)], np.int64), source, target, statuses, ends

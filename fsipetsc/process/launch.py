@@ -22,9 +22,6 @@ def start_mpi(alone: bool = False) -> Comm:
     # semaphore named after the file alone, so that one left by another user stops or hangs a run,
     # or NAME.h5-….lock, which a killed run leaves. The other one, ROMIO, does not.
     os.environ.setdefault("OMPI_MCA_io_ompio_priority", "0")
-    # a rank that waits must not take the core from what it waits for: on a machine with more busy
-    # programs than cores a run on two ranks may else take many times as long
-    os.environ.setdefault("OMPI_MCA_mpi_yield_when_idle", "1")
     # Open MPI 5.0.7 of Debian 13 warns of network interfaces between which it finds no way
     # (open-mpi/ompi issue 14079). Where all ranks are on this node, they need no network.
     size, interfaces = os.environ.get("OMPI_COMM_WORLD_SIZE"), "OMPI_MCA_btl_tcp_if_"
