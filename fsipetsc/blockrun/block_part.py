@@ -188,6 +188,7 @@ class BlockPart(Part):
                 wanted = f"the distance {spacing[n]:.4g} of the nodes beside the wall, or more"
                 raise InputError(f"{where} at {place_text(X[n])}: expected {wanted}")
 
+    @np.errstate(all="ignore")  # start values that are far too large are told later
     def begin_as_held(self, q: Array, obeying: Array) -> None:
         """What is held from outside gets the velocities that obey; its rho and T stay."""
         _, nodes, particle = self.about.system.own(self.k)

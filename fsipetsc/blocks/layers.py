@@ -124,15 +124,16 @@ def layers(
             if beyond not in blocks:
                 ended = axis == len(along) and 0 <= beyond[axis] < len(stack)
                 condition = layer.beside if ended else given.get((axis, side))
-                faces[block.name, axis, side] = condition or _goes_on(layer, along, axis, side)
+                condition = condition or _goes_on(layer, along, axis, side, ended)
+                faces[block.name, axis, side] = condition
     return BlockProblem(tuple(blocks.values()), faces, **more)
 
 
-def _goes_on(layer: Layer, along: Sequence[Extent], axis: int, side: int) -> Periodic:
+def _goes_on(layer: Layer, along: Sequence[Extent], axis: int, side: int, ended: bool) -> Periodic:
     """What stands at a face that has no condition. InputError if it must have one."""
     if axis == len(along) or (layer.span is not None and layer.span[axis] is not None):
-        beside = "lower, upper, or beside=… where another layer has ended there"
-        wanted = f"sides, of ({axis}, {side})" if axis < len(along) else beside
+        wanted = f"sides, of ({axis}, {side})" if axis < len(along) else ("lower", "upper")[side]
+        wanted = "beside=…, as another layer has ended there" if ended else wanted
         raise InputError(f"layer '{layer.name}': a face has no condition: expected {wanted}")
     shift = [0.0] * (len(along) + 1)
     shift[axis] = (along[axis][1] - along[axis][0]) * (1 - 2 * side)

@@ -173,8 +173,10 @@ def _words(name: str) -> list[str]:
     except ValueError as error:
         raise InputError(f"{name} is {given!r}: {str(error).lower()}") from error
     for flag in words:
+        parts = flag.replace("--optimize=", "-O", 1).split(",")  # as of -Wp,FLAG
+        parts += [part.replace("--", "-f", 1) for part in parts]
         in_file = flag.startswith("@")  # of which nobody knows what is in it
-        if in_file or flag.startswith(REFUSED) or flag.replace("--", "-f", 1).startswith(REFUSED):
+        if in_file or any(part.startswith(REFUSED) for part in parts):
             raise InputError(f"{name} has {flag}: results would depend on the compiler")
     return words
 

@@ -110,6 +110,12 @@ def extremes(*arrays: Array) -> tuple[float, float]:
     return (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
 
 
+def rounded(value: float, within: float) -> float:
+    """Return the number of fewest digits that is so near to a value, 0 if that is."""
+    near = (round(float(value), digits) for digits in range(-12, 18))
+    return next((one for one in near if abs(one - value) <= within), float(value))
+
+
 def legend_above(axes: Axes, side: str = "left", most: int = 5, columns: int = 2) -> None:
     """Draw a legend above a panel, at this side of it, of so many entries at most."""
     entries: dict[str, Any] = dict(zip(*reversed(axes.get_legend_handles_labels())))
@@ -153,9 +159,10 @@ class View:
         found = zip(*(of for *_, of in known))
         *ranges, _ = np.array([extremes(*along) for along in found])
         for some in [[kind] for kind in self.labels] if self.plane else [[*self.labels]]:
-            low, high = extremes(*(of[-1] for kind, _, of in known if kind in some))
+            values = [of[-1] for kind, _, of in known if kind in some]
+            low, high = extremes(*values)
             if NOTHING * max(-low, high) < high - low < NEAR * max(-low, high):
-                base = round(float(low), int(-np.log10(high - low)) - 1)
+                base = rounded(np.nanmedian(values[0]), high - low)
                 self.base |= dict.fromkeys(some, base)
                 low, high = low - base, high - base
         self._colour([(kind, k, of[-1] - self.base.get(kind, 0.0)) for kind, k, of in known])
@@ -166,7 +173,8 @@ class View:
             self.limits, self.axes = [*(ranges + margin)], (labelled(run, "x", "m"), last)
             self.ratio = float(np.ptp(self.limits[0]) / np.ptp(self.limits[1]))
         else:
-            margin = 2 * MARGIN * (high - low) or 0.1 * abs(low) or 1.0
+            varies = high - low > NOTHING * max(-low, high)
+            margin = 2 * MARGIN * (high - low) * varies or 0.1 * abs(low) or 1.0
             self.limits = [ranges[0], np.array([low - margin, high + margin])]
             title = self._label([*self.labels]).replace("; ", ",\n")
             self.axes, self.ratio = (last, title), 1.6
@@ -183,8 +191,8 @@ class View:
 
     def at(self, layer: Layer, frame: int, more: str = "") -> list[Array]:
         """Return places of a frame, horizontal ones and of maps vertical ones, more fields, and
-        values. A periodic block ends with the nodes that it begins with, a period on. Of three
-        dimensions what lies in the middle of the second axis.
+        values. In two dimensions a periodic block ends with the nodes that it begins with, a period
+        on. Of three dimensions what lies in the middle of the second axis.
         """
         fields = layer.frame(frame)
         found = [fields[x] for x in ("x", "xy", "xz")[self.run.dimension - 1] + more]
@@ -225,7 +233,7 @@ class View:
         for kinds in [[*of_kind]] if alike else [[kind] for kind in of_kind]:
             scale, white = self._scale(kinds, [v for kind in kinds for v in of_kind[kind]])
             self.scales |= dict.fromkeys(kinds, scale)
-            more = f", white: {white:.2g}".replace("-", "−") * bool(white)
+            more = f", white: {white:.6g}".replace("-", "−") * bool(white)
             self.bars[self._label(kinds, more)] = scale
 
     def _scale(self, kinds: Sequence[str], values: Sequence[Array]) -> tuple[dict[str, Any], float]:
@@ -248,8 +256,7 @@ class View:
         stress, colours = "stress" in self.labels[kind], PLAIN.get(self.name, "viridis")
         if stress:
             first = [self.at(layer, 0)[-1].ravel() for layer in self.layers if layer.kind in kinds]
-            white = float(f"{np.nanmedian(np.concatenate(first)):.2g}")
-            white *= abs(white) > BESIDE * (high - low)
+            white = rounded(np.nanmedian(np.concatenate(first)), BESIDE * (high - low))
         beyond = min(white - low, high - white) > BESIDE * (high - low)
         if (stress or self.name not in PLAIN) and beyond:
             half = max(white - low, high - white)

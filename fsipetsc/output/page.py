@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fsipetsc.checks import Array
+from fsipetsc.checks import Array, counted
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option
 from fsipetsc.output import drawing
@@ -230,12 +230,12 @@ def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
     from PIL import Image
 
     if run.nframes < 2:
-        raise InputError(f"-animate: there are {run.nframes} frames: expected two or more")
+        raise InputError(f"-animate: {counted(run.nframes, 'frame')}: expected two or more")
     frames = range(0, run.nframes, -(-run.nframes // MOST_FRAMES))
     views = [View(run, name, frames, wanted) for name in chosen(run, wanted.fields)]
     _, width, height = views[0].size(1)
-    plane = run.dimension > 1
-    figure = Figure(figsize=(len(views) * (width + 1.2), height + 0.9) if plane else (WIDTH, 3.4))
+    plane, width = run.dimension > 1, max(width, 4.0) + 1.2  # of a bar's label, at least
+    figure = Figure(figsize=(len(views) * width, height + 0.9) if plane else (WIDTH, 3.4))
     grid = figure.subplots(1, len(views), squeeze=False)[0]
     title = drawing.set_title(figure, drawing.of_run(run, drawing.moment(run, -1)))
 
@@ -271,7 +271,7 @@ def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
         images = [image(frame) for frame in frames]
         if target.suffix == ".gif":  # one palette, which has rare colours, too
             sheet = Image.fromarray(np.concatenate(images[:: -(-len(images) // 8)]))
-            palette = sheet.quantize(method=Image.Quantize.MAXCOVERAGE)
+            palette = sheet.quantize(method=Image.Quantize.MAXCOVERAGE, kmeans=3)
             images = [one.quantize(palette=palette, dither=Image.Dither.NONE) for one in images]
         more = {"append_images": images[1:], "duration": 1e3 / rate, "loop": 0, "lossless": True}
         images[0].save(target, save_all=True, **more)
