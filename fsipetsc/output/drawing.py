@@ -21,7 +21,9 @@ from fsipetsc.output.reader import Layer, Run
 Axes = Figure = Any  # of matplotlib, without which results are read, too
 
 BLUE, RED, GREEN, ORANGE, BLACK = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#222222"
-COLORS = {"fluid": BLUE, "solid": RED}
+PURPLE = "#cc79a7"
+#: kind of layer -> colour, and name in pictures and tables
+COLORS, NAMES = {"fluid": BLUE, "solid": RED}, {"fluid": "gas", "solid": "solid"}
 #: quantity that has no sign -> its colour map; those of what has one, white where nothing happens
 PLAIN = {"p": "viridis", "rho": "cividis", "T": "inferno", "schlieren": "gray_r"}
 SIGNED = {"fluid": "RdBu_r", "solid": "PuOr_r"}
@@ -185,7 +187,7 @@ class View:
         base = self.base[kinds[0]]
         label = "; ".join(dict.fromkeys(self.labels[kind] for kind in kinds))
         if len(kinds) < len(self.labels) and len({*self.labels.values()}) == 1:
-            label = f"{'gas' if kinds == ['fluid'] else 'solid'}: {label}"
+            label = f"{NAMES[kinds[0]]}: {label}"
         less = f" less {base:.12g}".replace("-", "−") if base else ""
         return labelled(self.run, label + less + more, self.unit)
 
@@ -229,23 +231,24 @@ class View:
         stressed = {"stress" in label for label in self.labels.values()}
         alike = len(stressed) == len({*self.base.values()}) == 1
         alike = alike and min(spans) >= ALIKE * max(spans)
+        fields = [of for layer in self.run.layers for of in layer.frame(-1).items()]
+        same = extremes(*(of for field, of in fields if unit_of(field) == self.unit))
         self.scales, self.bars = dict[str, dict[str, Any]](), dict[str, dict[str, Any]]()
         for kinds in [[*of_kind]] if alike else [[kind] for kind in of_kind]:
-            scale, white = self._scale(kinds, [v for kind in kinds for v in of_kind[kind]])
+            some = [v for kind in kinds for v in of_kind[kind]]
+            scale, white = self._scale(kinds, some, max(map(abs, same)))
             self.scales |= dict.fromkeys(kinds, scale)
             more = f", white: {white:.6g}".replace("-", "−") * bool(white)
             self.bars[self._label(kinds, more)] = scale
 
-    def _scale(self, kinds: Sequence[str], values: Sequence[Array]) -> tuple[dict[str, Any], float]:
+    def _scale(self, kinds: list[str], values: list[Array], beside: float) -> tuple[Any, float]:
         """Return colour map and range, beyond which a few values may lie, and what is white.
 
         What has both signs is white at 0, stresses at what they are in most of a solid at first.
-        Round-off, beside what has the same unit, gets one colour.
+        Round-off, beside the largest number of the same unit, gets one colour.
         """
         low, high = extremes(*values)
-        same = [of for layer in self.run.layers for of in layer.frame(-1).items()]
-        beside = extremes(*(of for field, of in same if unit_of(field) == self.unit))
-        size = max(map(abs, (low, high, *beside)))
+        size = max(-low, high, beside)
         shown = np.concatenate([v[np.isfinite(v)] for v in values])
         inner = np.percentile(shown, (0.1, 99.9)) if low < high else (low, high)
         if inner[1] - inner[0] > NOTHING * size:  # else what happens is in few places

@@ -98,7 +98,7 @@ def open_h5(path: str | os.PathLike[str], mode: str = "r") -> h5py.File:
     return h5py.File(path, mode, locking=False, libver=LIBVER if mode != "r" else None)
 
 
-def mark_of(file: h5py.File) -> tuple[int, ...]:
+def stamp_of(file: h5py.File) -> tuple[int, ...]:
     """By which an open file is known that nobody has replaced or changed."""
     found = os.fstat(file.id.get_vfd_handle())
     return found.st_ino, found.st_mtime_ns, found.st_size

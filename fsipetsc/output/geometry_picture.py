@@ -20,7 +20,7 @@ BETWEEN: dict[str, dict[str, Any]] = {
     "join": {"color": drawing.BLACK, "linewidth": 1.2, "linestyle": (0, (4, 3)), "zorder": 4},
     "interface": {"color": drawing.BLACK, "linewidth": 2.0, "zorder": 5},
 }
-COLORS = (drawing.GREEN, drawing.ORANGE, "#cc79a7", "#56b4e9", "#f0e442", "#888888", "#8c510a")
+COLORS = (drawing.GREEN, drawing.ORANGE, drawing.PURPLE, "#56b4e9", "#f0e442", "#888888", "#8c510a")
 
 
 def _places(problem: BlockProblem, k: int) -> Array:
@@ -54,7 +54,7 @@ def geometry_rows(problem: BlockProblem) -> Rows:
     for k, block in enumerate(problem.blocks):
         X, faces = _places(problem, k), _faces(problem, k)
         sizes = " x ".join(map(str, block.shape))
-        rows.append((block.name, f"{'gas' if block.kind == 'fluid' else 'solid'}, {sizes} nodes"))
+        rows.append((block.name, f"{drawing.NAMES[block.kind]}, {sizes} nodes"))
         for axis in range(problem.dimension):
             every.append(np.linalg.norm(np.diff(X, axis=axis), axis=-1))
             there = [faces[axis, side] for side in (0, 1) if (axis, side) in faces]
@@ -115,7 +115,7 @@ def _draw_block(view: drawing.Axes, problem: BlockProblem, k: int, styles: dict[
     color = drawing.COLORS[block.kind]
     if X.ndim == 2:  # a strip of two dimensions
         X = np.stack(np.broadcast_arrays(X, [0.0, 0.5, 1.0]), axis=-1)
-    d, label = X.ndim - 1, "gas" if block.kind == "fluid" else "solid"
+    d, label = X.ndim - 1, drawing.NAMES[block.kind]
     if d == 2:
         view.contourf(*X.T, 0.0 * X[..., 0].T, [-1, 1], colors=[color], alpha=0.15)
     for line in _lines(X, LINES if d == 2 else 1):

@@ -37,7 +37,7 @@ TITLES = {"xt": "space and time", "ledgers": "balances", "steps": "time steps"}
 ENERGY, DEPARTURE, STEP = "change of energy", "relative departure", "time step"
 #: colours and line styles of curves in one panel, in turn
 CURVES = {
-    "color": [drawing.BLACK, drawing.ORANGE, drawing.BLUE, drawing.GREEN, "#cc79a7"] * 4,
+    "color": [drawing.BLACK, drawing.ORANGE, drawing.BLUE, drawing.GREEN, drawing.PURPLE] * 4,
     "linestyle": ["-", "--", "-.", ":"] * 5,
 }
 HTML = """<!DOCTYPE html>

@@ -52,13 +52,13 @@ class Run:
         self.path = str(whole)
         found = layout.pieces(layout.beside(whole, ".parts"))  # before it is asked for the whole
         found = [whole] if whole.exists() or not found else found
-        self._files: list[tuple[Path, Any, int]] = []  # their marks, how many frames they have
+        self._files: list[tuple[Path, Any, int]] = []  # their stamps, how many frames they have
         nodes, times, series = list[Array](), list[Array](), dict[str, list[Array]]()
         for piece in found:
             with layout.opened(piece, layout.RESULT) as (file, about):
                 layers = about["header"]["layers"]
                 times.append(layout.numbers(file["time"], None))
-                self._files.append((piece, layout.mark_of(file), len(times[-1])))
+                self._files.append((piece, layout.stamp_of(file), len(times[-1])))
                 if "series" in file:
                     group, steps = file["series"], len(layout.numbers(file["series/t"], None))
                     # a list: HDF5, asked for names, crashes where a byte of many names has changed
@@ -242,12 +242,12 @@ class Layer(Mapping[str, Array]):
         """
         width, parts = len(self.fields), [[np.empty((0, *self.shape))] * len(names)]
         with layout.damage(self._run.path):
-            for path, mark, count in self._run._files:
+            for path, stamp, count in self._run._files:
                 a, b = max(first, 0), min(end, count)  # of this file
                 first, end = first - count, end - count
                 if a < b:
                     with layout.open_h5(path) as file:
-                        if layout.mark_of(file) != mark:
+                        if layout.stamp_of(file) != stamp:
                             raise FileNotFoundError
                         group = file[f"layer{self._number}"]
                         if "frames" in group:

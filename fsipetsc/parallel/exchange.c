@@ -33,7 +33,7 @@ static void check(int code) {
   abort();
 }
 
-/* Wait for all messages. A rank keeps its core for some 1 ms, as most messages come within that, and
+/* Wait for all messages. A rank keeps its core for some 1 ms: most messages come within that, and
    another program may keep a core that it was given for 3 ms. Then it lets others have the core:
    where there are more ranks or programs than cores, the rank that it waits for may want it. */
 static void wait_for(const struct exchange *e) {

@@ -106,11 +106,11 @@ def follow(part, record):
     """Note displacement and velocity of the particles here by which the grid moves."""
     follows, known, data, d = part.follows, part.known, record.data, part.d
     for m in each(follows.shape[0]):
-        n, row = follows[m], part.follower_rows[m]
+        n, to = follows[m], part.follower_rows[m]
         alone = (record.facts.moves[n] == 1) & (record.solid_mass[n] == 0.0)
         for c in range(d):
-            known[row, c] = np.where(alone, data.place[n, c], record.D[n, c])
-            known[row, d + c] = np.where(alone, data.wall[n, c], record.v[n, c])
+            known[to, c] = np.where(alone, data.place[n, c], record.D[n, c])
+            known[to, d + c] = np.where(alone, data.wall[n, c], record.v[n, c])
 
 
 def move(part):
