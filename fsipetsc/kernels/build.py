@@ -32,7 +32,7 @@ FLAGS = (
     "-fopenmp-simd -fPIC -shared -Werror=implicit-function-declaration"
 ).split()
 #: of gcc, which else moves selections of elementary functions so that loops are no vector code
-OF_GCC = ["-fno-tree-pre"]
+OF_GCC = ["-fno-tree-pre", "-fno-tree-loop-distribution", "-fno-tree-loop-distribute-patterns"]
 #: with vectors of 512 bits, of which compilers use half if nobody asks. gcc 12 tunes for other
 #: processors and reads numbers twice rather than keeping them in one of the 32 registers
 WIDE = ["-mprefer-vector-width=512", "-mtune=skylake-avx512"]
