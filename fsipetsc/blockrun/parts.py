@@ -46,9 +46,11 @@ class GasPart(BlockPart):
         self._check_law(opt["fsi_convection"], sigma)
         self.form = convection_of(opt["fsi_convection"], self.laws)
         damps = sigma > 0.0 or opt["fsi_shock"] > 0.0
+        damping, shocks = None, opt["fsi_shock"] > 0.0
         if damps:
             of = part.bands, self.block.cells, sigma, opt["fsi_shock"], self.form.raises
-            self.terms = GasDamping(order // 2, *of), *self.terms
+            damping = GasDamping(order // 2, *of)
+            self.terms = damping, *self.terms
         self.add_sources(add_force, of_gas.supply)
         self.added = damps or self.forced or self.forcing is not None
         self.reads_ghosted = self.reads_ghosted or damps
@@ -57,8 +59,8 @@ class GasPart(BlockPart):
         self.places = self.X.copy()
         self._follow()
         stencil = Stencil(order // 2, max(band.reach for band in self.bands))
-        made = self.kernels_of(gas_kernels, self.form, self.viscous, self.moves, stencil)
-        self.volume = GasSweep(self.laws, self.d, made, self.bands, self.patch)
+        made = self.kernels_of(gas_kernels, self.form, self.viscous, self.moves, stencil, shocks)
+        self.volume = GasSweep(self.laws, self.d, made, self.bands, self.patch, damping)
         potential = self.volume.potential
         potential[:] = -dot(self.laws.force, self.X)[: potential.size]
         self.terms = (of_gas.add_ends,) * self.moves + self.terms

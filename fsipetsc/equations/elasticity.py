@@ -32,7 +32,7 @@ import numpy as np
 
 from fsipetsc.equations import tensors
 from fsipetsc.equations.tensors import add_unit, apply, cofactor, determinant, outer, transpose
-from fsipetsc.equations.vectors import add, add_last, along, dot, last_times, mean, scale
+from fsipetsc.equations.vectors import add, along, dot, last_times, mean, scale
 from fsipetsc.kernels.symbols import derivative
 
 
@@ -92,7 +92,8 @@ class Solid(NamedTuple):
     def with_hoop_force(self, acceleration, v, e, F, R):
         """An acceleration less m P_o/(R m0) along r."""
         P = self.full_stress(F, self.temperature(v, e, F))[-1]
-        return add_last(-len(self.around) * P / (self.m0 * R), acceleration)
+        *others, along_r = acceleration
+        return (*others, along_r - len(self.around) * P / (self.m0 * R))
 
     def curvature(self, R):
         """What hoop stress adds to the squared wave number that bounds a step [1/m2]: with it,

@@ -55,9 +55,5 @@ def last_times(c: Any, a: Vector) -> Vector:
     return (*a[:-1], c * a[-1])
 
 
-def add_last(c: Any, a: Vector) -> Vector:
-    return (*a[:-1], a[-1] + c)
-
-
 def choose(condition: Any, a: Vector, b: Vector) -> Vector:
     return tuple(np.where(condition, p, q) for p, q in zip(a, b, strict=True))

@@ -7,7 +7,7 @@ recorded: ``if`` and ``range`` of them are plain Python, and decide what is prin
 dataclasses, which hold facts: their numbers become constants of the text.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from itertools import accumulate, count, zip_longest
 from math import prod
@@ -89,6 +89,16 @@ def each(*ends: Any, vector: bool = False) -> Iterator[Symbol]:
     record.stores += 1  # what is read in the first pass may be stored before the next one
     with record.block(f"for (long {i} = {{}}; {i} < {{}}; ++{i})", first, last):
         yield record.given(i, kind="long")
+
+
+def tally(first: Any, last: Any, holds: Callable[[Symbol], Any]) -> Symbol:
+    """Return for how many numbers i, from a first one to below the last, holds(i) is true."""
+    record = recording()
+    record.line(f"long {(found := record.new('n'))} = 0;")
+    record.line(f"#pragma omp simd reduction(+ : {found})")
+    for i in each(first, last):
+        record.line(f"{found} += {{}};", holds(i))
+    return record.given(found, kind="long", stores=record.stores)
 
 
 def when(condition: Any) -> AbstractContextManager[None]:

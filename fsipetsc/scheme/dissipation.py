@@ -46,8 +46,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from fsipetsc.equations.vectors import add, add_last, along, choose, dot, mean, scale, sub
-from fsipetsc.kernels.loops import Known, column, each, row, variable, when
+from fsipetsc.equations.vectors import add, along, choose, dot, mean, scale, sub
+from fsipetsc.kernels.loops import Known, column, each, number, otherwise, pick, row, tally, when
 from fsipetsc.operators.sbp import undivided
 from fsipetsc.scheme.part import area, gas_at, moving, nodes_of
 
@@ -101,13 +101,16 @@ class Damping(SimpleNamespace):
         return found
 
     def sense(self, steepness, k, length):
-        """Fill alpha along axis k of so many nodes, but at its ends. steepness: the s of a node."""
+        """Fill alpha along axis k of so many nodes, but at its ends, and return at how many it is
+        above 0. steepness: the s of a node.
+        """
         stride = self.strides[k]
         for line in each(self.nodes // (stride * length)):
             begin = line * (stride * length) + stride
             for i in each(begin, begin + (length - 2) * stride, vector=True):
                 steep = RISE * (steepness(i, stride) - NO_SHOCK)
                 self.alpha[k, i] = np.minimum(1.0, np.maximum(0.0, steep))
+        return tally(0, self.nodes, lambda i: self.alpha[k, i] > 0.0)
 
     def largest(self, i, k):
         """Return the largest alpha at the nodes of the difference along axis k that begins at i."""
@@ -134,22 +137,25 @@ class Damping(SimpleNamespace):
 
 
 class GasDamping(Damping):
-    """Both terms of a gas. sigma, shock: their sizes, None: none; raises: of the form.
+    """Both terms of a gas. sigma, shock: their sizes, None: none; raises: of the form. What pairs
+    keep of their flux at shocks, 1 - alpha, its sweep finds (fsipetsc.scheme.gas_sweep).
 
-    Memory, (numbers, nodes): states, entropy variables, areas and volume fluxes of links, sums. In
-    a constant force there are more of these, and of F: see fsipetsc.scheme.gas_terms.
+    Memory, (numbers, nodes): states, entropy variables; of each axis areas and volume fluxes of
+    links; of a row, alpha and weights of its pairs. shocks: (d,) at how many nodes. In a
+    constant force F has the forces of links, too: see fsipetsc.scheme.gas_terms.
     """
 
     def __init__(self, q, bands, cells, sigma, shock, raises):
         d = len(cells)
-        super().__init__(q, bands, cells, d + 2 + raises)
+        super().__init__(q, bands, cells, d + 2 + raises * (d + 1))
         N = self.nodes
         self.sigma, self.shock = sigma or None, shock or None
         self.state, self.z = np.zeros((d + 5, N)), np.zeros((d + 2, N))
-        self.link, self.sums = np.zeros((d + 1, N)), np.zeros((d + 2 + raises * (d + 1), N))
+        self.link, self.of_pairs = np.zeros((d, d + 1, N)), (np.zeros(N), np.zeros(N))
+        self.shocks = np.zeros(d)
 
-    def add(self, part, own, q, rates, gain):
-        """Add both terms to the rates (M, d + 3) of the owned nodes; q: with a halo of q + 1."""
+    def begin(self, part, q):
+        """Find states, perhaps entropy variables and alpha; q (N, d + 3): with a halo of q + 1."""
         gas = part.laws
         for i in each(self.nodes, vector=True):
             w = gas_at(part, q, i)
@@ -159,21 +165,24 @@ class GasDamping(Damping):
                 if part.form.raises:
                     first = first + part.volume.potential[i] * w[-1]
                 self.z[:, i] = first, *more
+        for k in range(part.d if self.shock is not None else 0):
+            steep = partial(steepness, part, self.state, k)
+            self.shocks[k] = number(self.sense(steep, k, part.patch.ghosted[k]))
+            with when(self.shocks[k] > 0.0):
+                self.link_pairs(part, k)
+
+    def add(self, part, own, q, rates, gain):
+        """Add both terms to the rates (M, d + 3) of the owned nodes, after `begin`."""
         for k in range(part.d):
             if self.shock is not None:
-                self.sums[:] = 0.0
-                self.sense(partial(steepness, part, self.state, k), k, part.patch.ghosted[k])
-                shocks = variable(0.0)
-                for i in each(self.nodes):
-                    shocks.value = np.where(self.alpha[k, i] > 0.0, 1.0, shocks.value)
-                with when(shocks.value > 0.0):
-                    self.link[:] = 0.0
-                    self.split_pairs(part, k)
+                with when(self.shocks[k] > 0.0):
                     self.flow_on(part, k)
+                    for node, own in nodes_of(part):
+                        self.collect_links(part, k, node, own, rates)
             if self.sigma is not None:
                 self.fill(k, partial(self.flux, part, k))
-            for node, own in nodes_of(part):
-                self.collect(part, k, node, own, rates)
+                for node, own in nodes_of(part):
+                    self.collect(part, k, node, own, rates)
 
     def flux(self, part, k, i, l, r):
         """Return F of the difference along axis k that begins at node i."""
@@ -196,71 +205,84 @@ class GasDamping(Damping):
         return choose(norm > 0.0, F, (0.0,) * len(F))
 
     def collect(self, part, k, node, own, rates):
-        """Add sums and H^-1 Delta^T F to rates of an owned node."""
-        d, raises, power = part.d, part.form.raises, 0.0
-        per_weight, sums = self.per_weight[k, node], (0.0,) * (d + 2 + raises * (d + 1))
-        if self.shock is not None:
-            sums = column(len(sums), self.sums, node)
-        more = sums[: d + 2]
-        if self.sigma is not None:
-            F = self.back(d + 2 + raises, k, node)
-            more = sub(more, F[: d + 2])
-            if raises:
-                power = part.volume.potential[node] * F[0] - F[-1]
-        if raises:  # the force of links, and the power of what diffuses
-            supplied, force = part.volume.supplied, add_last(power, sums[d + 2 :])
-            supplied[own] = along(row(d + 1, supplied, own), per_weight, force)
-        rates[own, 1:] = along(row(d + 2, rates, own, 1), per_weight, more)
+        """Add - H^-1 Delta^T F to rates of an owned node and, of what diffuses, the power."""
+        d, raises, per_weight = part.d, part.form.raises, self.per_weight[k, node]
+        F = self.back(d + 2 + raises, k, node)
+        rates[own, 1:] = along(row(d + 2, rates, own, 1), -per_weight, F[: d + 2])
+        if raises:
+            power = part.volume.potential[node] * F[0] - F[-1]
+            part.volume.supplied[own, d] += per_weight * power
 
-    def split_pairs(self, part, k):
-        """Take alpha of its flux from each pair; add to areas and volume fluxes of its links."""
-        gas, S, stride = part.laws, part.S[k], self.strides[k]
-        length, grid, of_grid = part.patch.ghosted[k], part.d * part.d, gas.of_grid(part.d)
-        for i in each(self.nodes):
-            place, alpha = i // stride % length, variable(self.alpha[k, i])
-            for m in each(1, np.minimum(part.axes[k, 0] + 1, length - place)):
-                j = i + m * stride
-                alpha.value = np.maximum(alpha.value, self.alpha[k, j])
-                with when((alpha.value > 0.0) & (S[m, place] != 0.0)):
-                    weight = alpha.value * S[m, place]
-                    l, r, rise = self.ends(part, i, j)
-                    a_l, a_r = area(part, k, i), area(part, k, j)
-                    v_l, v_r = (column(of_grid, part.metrics, n, grid) for n in (i, j))
-                    g = gas.volume_flux(a_l, v_l, a_r, v_r)
-                    below, above = part.form.pair(gas, l, r, a_l, a_r, g, rise)
-                    self.sums[:, i] = along(column(len(below), self.sums, i), weight, below)
-                    self.sums[:, j] = along(column(len(above), self.sums, j), -weight, above)
-                    more = (*mean(a_l, a_r), g)
-                    for n in each(m):
-                        link = i + n * stride
-                        self.link[:, link] = along(column(len(more), self.link, link), weight, more)
+    def rows(self, part, k):
+        """Yield rows of nodes side by side, which are a line along axis 0 or, for other axes k, at
+        one place along them: first node, how many, their place.
+        """
+        length, n = part.patch.ghosted[k], part.patch.ghosted[0] if k == 0 else self.strides[k]
+        for row_number in each(self.nodes // n):
+            yield row_number * n, n, row_number % length
 
-    def ends(self, part, i, j):
-        """Return the states of two nodes, and by how much Phi is more at the second one."""
-        count, potential = part.d + 5, part.volume.potential
-        rise = potential[j] - potential[i] if part.form.raises else 0.0
-        return column(count, self.state, i), column(count, self.state, j), rise
+    def link_pairs(self, part, k):
+        """Add up areas and volume fluxes of links along axis k."""
+        gas, d, S, stride, link = part.laws, part.d, part.S[k], self.strides[k], self.link[k]
+        (alpha, weight), grid = self.of_pairs, (gas.of_grid(d), part.metrics)
+        link[:] = 0.0
+        for first, n, place in self.rows(part, k):
+            alpha[:n] = 0.0
+            for m in each(part.axes[k, 0] + 1):
+                count = n - m if k == 0 else pick(place + m < part.patch.ghosted[k], n, 0)
+                for i in each(count, vector=True):
+                    alpha[i] = np.maximum(alpha[i], self.alpha[k, first + m * stride + i])
+                    weight[i] = alpha[i] * S[m, i if k == 0 else place]
+                with when(tally(0, count, lambda i: weight[i] != 0.0) > 0):
+                    for to in each(m):
+                        for i in each(count, vector=True):
+                            l, r, at = (first + i + c * stride for c in (0, m, to))
+                            a_l, a_r = area(part, k, l), area(part, k, r)
+                            v_l, v_r = (column(*grid, c, d * d) for c in (l, r))
+                            more = *mean(a_l, a_r), gas.volume_flux(a_l, v_l, a_r, v_r)
+                            link[:, at] = along(column(d + 1, link, at), weight[i], more)
 
     def flow_on(self, part, k):
-        """Add the fluxes through links, with those of Lax and Friedrichs."""
-        gas, form = part.laws, part.form
-        for i in each(self.nodes - self.strides[k]):
-            link, j = column(part.d + 1, self.link, i), i + self.strides[k]
-            a, g = link[:-1], link[-1]
-            with when(dot(link, link) > 0.0):
-                l, r, rise = self.ends(part, i, j)
-                speed = 0.5 * self.shock * np.maximum(gas.fastest(l, a, g), gas.fastest(r, a, g))
-                both = l, r
-                if form.raises:
-                    both = gas.raised(l, 0.5 * rise), gas.raised(r, -0.5 * rise)
-                change = sub(gas.densities(both[1]), gas.densities(both[0]))
-                pair, n = form.pair(gas, l, r, a, a, g, rise), len(change)
-                below, above = ((*along(F[:n], -speed, change), *F[n:]) for F in pair)
-                if form.raises:
-                    power = -0.5 * speed * change[0] * rise
-                    below, above = (*below, power), (*above, -power)
-                self.sums[:, i] = sub(column(len(below), self.sums, i), below)
-                self.sums[:, j] = add(column(len(above), self.sums, j), above)
+        """Fill F of links, by their first nodes."""
+        last, F = self.nodes - self.strides[k], self.F[:, self.F.shape[1] - self.nodes :]
+        link = partial(column, part.d + 1, self.link[k])
+        for first, n, _ in self.rows(part, k):
+            end = np.minimum(first + n, last)
+            with when(tally(first, end, lambda i: dot(link(i), link(i)) > 0.0) > 0):
+                for i in each(first, end, vector=True):
+                    F[:, i] = self.through(part, k, i, i + self.strides[k])
+            with otherwise():
+                F[:, first:end] = 0.0
+        F[:, last:] = 0.0
+
+    def through(self, part, k, i, j):
+        """Return the flux through the link of two nodes, with that of Lax and Friedrichs, and the
+        forces in it.
+        """
+        gas, form, d, potential = part.laws, part.form, part.d, part.volume.potential
+        l, r = (column(d + 5, self.state, n) for n in (i, j))
+        *a, g = column(d + 1, self.link[k], i)
+        rise = potential[j] - potential[i] if form.raises else 0.0
+        speed = 0.5 * self.shock * np.maximum(gas.fastest(l, a, g), gas.fastest(r, a, g))
+        both = l, r
+        if form.raises:
+            both = gas.raised(l, 0.5 * rise), gas.raised(r, -0.5 * rise)
+        change = sub(gas.densities(both[1]), gas.densities(both[0]))
+        F, _ = form.pair(gas, l, r, a, a, g, rise)
+        F = *along(F[: d + 2], -speed, change), *F[d + 2 :]
+        return (*F, -0.5 * speed * change[0] * rise) if form.raises else F
+
+    def collect_links(self, part, k, node, own, rates):
+        """Add what flows through links to rates of an owned node, and the forces in both."""
+        d, per_weight = part.d, self.per_weight[k, node]
+        here = self.F.shape[1] - self.nodes + node
+        count = d + 2 + part.form.raises * (d + 1)
+        behind, ahead = (column(count, self.F, n) for n in (here - self.strides[k], here))
+        more = sub(behind[: d + 2], ahead[: d + 2])
+        rates[own, 1:] = along(row(d + 2, rates, own, 1), per_weight, more)
+        if part.form.raises:
+            supplied, force = part.volume.supplied, add(behind[d + 2 :], ahead[d + 2 :])
+            supplied[own] = along(row(d + 1, supplied, own), -per_weight, force)
 
 
 def steepness(part, state, k, i, stride):

@@ -65,7 +65,7 @@ class GasSweep(Sweep):
     (fsipetsc.scheme.gas_terms); else (0, d + 1).
     """
 
-    def __init__(self, gas, d, kernels, bands, patch):
+    def __init__(self, gas, d, kernels, bands, patch, damping):
         stages_before = 1 + kernels.viscous
         super().__init__(gas, d, kernels, bands, patch, TILES[d - 1], *[stages_before] * 2)
         x, _, last = in_order(bands, d)
@@ -73,6 +73,7 @@ class GasSweep(Sweep):
         self.steps = order(last.S, (*others, (begin, beyond), (begin, end)))
         self.spans = _spans(x.S, patch.first[0], patch.first[0] + patch.own[0])
         self.per_weight, self.low = 1.0 / x.weight, zeros((kernels.numbers["high"], self.width))
+        self.damping, self.keep = damping, zeros((d, self.width))
         raised = int(kernels.raises)
         self.potential = np.zeros(raised * int(np.prod(patch.ghosted)))
         self.supplied = np.zeros((raised * int(np.prod(patch.own)), d + 1))
@@ -81,6 +82,9 @@ class GasSweep(Sweep):
         """Store the rates of the owned nodes, or what becomes of them (fsipetsc.scheme.sweep), in
         f; y, q: planes of the owned nodes, and of all with a halo.
         """
+        if self.damping:
+            self.damping.begin(part, q.T)
+            self.keep[:] = 1.0
         around = {"source": part.grid.source.reshape(1, part.X.shape[1])} if part.around else {}
         self.begin(part, found, y, q, f, **around)
         self.weight = in_order([part.weight[k] for k in range(3)], self.d)
@@ -112,7 +116,7 @@ class GasSweep(Sweep):
             s = S[k, i]
             with when((s != 0.0) & (i + k >= first)):
                 to = (x, y + k, z) if number == 1 else (x, y, z + k)
-                self.pairs(axis, (x, y, z), to, s * beside, self.weight[0][x:], n)
+                self.pairs(axis, k, (x, y, z), to, s * beside, self.weight[0][x:], n)
 
     def along(self, x, n, y, z):
         row_weight = self.weight[1][y] * self.weight[2][z]
@@ -122,10 +126,12 @@ class GasSweep(Sweep):
             count = np.minimum(self.spans[m, 2], x + n) - begin
             with when(count > 0):
                 ends = (begin, y, z), (begin + k, y, z)
-                self.pairs(0, *ends, row_weight, self.part.S[0, k, begin:], count)
+                self.pairs(0, k, *ends, row_weight, self.part.S[0, k, begin:], count)
 
-    def pairs(self, axis, lower, upper, row_weight, node_weight, n):
-        """Add the fluxes of n pairs of nodes along an axis, from a lower and an upper node on."""
+    def pairs(self, axis, k, lower, upper, row_weight, node_weight, n):
+        """Add the fluxes of n pairs of nodes, k apart along an axis, from a lower and an upper node
+        on.
+        """
         metrics, d, kernels, tile = self.part.metrics, self.d, self.kernels, self.tile
         given = {"row_weight": row_weight, "node_weight": node_weight, "p": self.p, "N": self.N}
         given["low"] = self.low[0, lower[0] - self.x0 + self.margin :]
@@ -138,10 +144,22 @@ class GasSweep(Sweep):
             given[f"a_{side}"] = metrics[axis * d, place:]
             given[f"v_{side}"] = metrics[d * d, place:]
             given[f"potential_{side}"] = self.potential[place:]
+        if kernels.shocks:
+            self.find_keep(axis, k, self.ghosted_at(*lower), n)
+            given["keep"] = self.keep[axis, 0:]
         apart = kernels.near_pairs(n, **given)
         if kernels.far_pairs is not None:
             with when(apart > 0):
                 kernels.far_pairs(n, **given)
+
+    def find_keep(self, axis, k, place, n):
+        """Find 1 - alpha of n pairs of nodes, k apart along an axis, from a lower one on."""
+        keep, alpha, stride = self.keep[axis], self.damping.alpha[axis], self.damping.strides[axis]
+        with when(self.damping.shocks[axis] > 0.0):
+            keep[:n] = 1.0
+            for m in each(k + 1):
+                for i in each(n, vector=True):
+                    keep[i] = np.minimum(keep[i], 1.0 - alpha[place + m * stride + i])
 
     def given(self, x, y, z):
         per_row_weight = 1.0 / (self.weight[1][y] * self.weight[2][z])
@@ -151,7 +169,7 @@ class GasSweep(Sweep):
         return {**super().given(x, y, z), **given}
 
 
-def gas_kernels(gas, d, form, viscous, moves, stencil):
+def gas_kernels(gas, d, form, viscous, moves, stencil, shocks=False):
     """All kernels of a gas in d dimensions; stencil: of nodes inside. far_pairs: None where the
     form does not tell pairs apart; fluxes: viscous ones of any nodes, and of those inside.
     """
@@ -161,11 +179,12 @@ def gas_kernels(gas, d, form, viscous, moves, stencil):
     return SimpleNamespace(
         stencil=stencil,
         load=_load(gas, d, viscous, sums + moves),
-        near_pairs=_pair(gas, d, form, viscous, moves, True),
-        far_pairs=_pair(gas, d, form, viscous, moves, False) if form.entropy else None,
+        near_pairs=_pair(gas, d, form, viscous, moves, shocks, True),
+        far_pairs=_pair(gas, d, form, viscous, moves, shocks, False) if form.entropy else None,
         rates=tuple((_rates(gas, d, sums, moves, at_pressure, kind),) for kind in KINDS),
         fluxes=tuple(_viscous(gas, d, of) for of in stencil.both if viscous),
         viscous=viscous,
+        shocks=shocks,
         raises=form.raises,
         numbers=rows,
     )
@@ -189,7 +208,7 @@ def _load(gas, d, viscous, sums):
     return kernel
 
 
-def _pair(gas, d, form, viscous, moves, near):
+def _pair(gas, d, form, viscous, moves, shocks, near):
     """The kernel of pairs of near nodes, which counts the other pairs, or the kernel of those. It
     adds what the lower node of a pair loses and the upper one gains, times the weight of the
     pair: that of the row, times that of the node. It is 0 of pairs that are not of the kernel's
@@ -215,6 +234,9 @@ def _pair(gas, d, form, viscous, moves, near):
         (Phi_l,), (Phi_r,) = (kernel.read(f"potential_{side}", ROWS, 1) for side in "lr")
         rise = Phi_r - Phi_l
     both = form.pair(gas, l, r, a_l, a_r, g, rise, near)
+    if shocks:
+        (keep,) = kernel.read("keep", ROWS, 1)
+        both = tuple(scale(keep, F) for F in both)
     if viscous:
         s = mean(kernel.read("s_l", ROWS, d + 1), kernel.read("s_r", ROWS, d + 1))
         both = tuple((F[0], *sub(F[1 : d + 2], s), *F[d + 2 :]) for F in both)
@@ -229,7 +251,8 @@ def _pair(gas, d, form, viscous, moves, near):
 
 def _rates(gas, d, sums, moves, at_pressure, kind):
     """at_pressure: where w has p - tau_o, which acts around an axis."""
-    kernel = Kernel(f"gas_rates_{kind}", "J_t, the rates of J rho, J rho u, J E, the force, of a row.")
+    says = "J_t, the rates of J rho, J rho u, J E, the force, of a row."
+    kernel = Kernel(f"gas_rates_{kind}", says)
     per_row_weight = kernel.number("per_row_weight")
     (per_node_weight,) = kernel.read("per_node_weight", ROWS, 1)
     total = add(*(kernel.read(name, ROWS, sums + moves) for name in ("low", "high")))
