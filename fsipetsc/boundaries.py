@@ -7,11 +7,8 @@ from dataclasses import dataclass
 from functools import wraps
 from typing import Any
 
-import numpy as np
-
 from fsipetsc.blocks import conditions
 from fsipetsc.blocks.conditions import Checked, Condition
-from fsipetsc.checks import NOWHERE, Array, datum
 
 #: a number, or a function of time
 Timed = float | Callable[[float], Any]
@@ -38,16 +35,16 @@ class Boundary(Checked):
         """The condition of a block of this material that this is."""
         raise NotImplementedError
 
-    def data(self, t: float) -> Array:
-        """(5,) at time t [s] all of ``given``, of `values` rho, u, T; then zeros; at last the
-        temperature [K] or heat flux [W/m2]. InputError, perhaps on this rank alone.
+    def data(self, ask: Callable[[str, Sequence[str]], Any]) -> list[Any]:
+        """Five: all of ``given``, of `values` rho, u, T; then zeros; at last the temperature [K] or
+        heat flux [W/m2]. ask(name, names): a datum, or so many.
         """
-        found, several = np.zeros(5), {"values": ("rho", "u", "T")}
-        data = [datum(self, name, NOWHERE.T, t, several.get(name)).ravel() for name in self.given]
-        found[: sum(map(len, data))] = np.concatenate([*data, []])
-        if self.heated:
-            found[-1:] = datum(self, self.heated, NOWHERE.T, t)
-        return found
+        several, found = {"values": ("rho", "u", "T")}, list[Any]()
+        for name in self.given:
+            value = ask(name, several.get(name, ()))
+            found.extend(value if name in several else [value])
+        found += [0.0] * (5 - len(found))
+        return [*found[:4], ask(self.heated, ()) if self.heated else found[4]]
 
     def _of_place(self, name: str, then: Callable[[Any], Any] = lambda v: v) -> Any:
         """A datum as a condition has it, changed by ``then``; a function of t gets X, too."""

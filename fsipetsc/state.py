@@ -8,10 +8,11 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.errors import FsiError
-from fsipetsc.kernels.procedure import Calls, Procedure
+from fsipetsc.kernels.procedure import Calls, Code, Procedure
 from fsipetsc.process.together import agree, together
 from fsipetsc.scheme import plan
 from fsipetsc.scheme.plan import FRACTIONS, SOLUTION, STAGES
+from fsipetsc.scheme.recorded_data import Source, set_data, timed
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
 FAULT = 1000.0
@@ -44,7 +45,8 @@ class State:
 
     results: flags and limits of the last step, batch: fsipetsc.scheme.plan. journal: records of
     steps; latest: that of the last one, without its time, latest_numbers: the same as doubles; the
-    integrals in them are this rank's shares. asks: Python has something to do in each step. fault:
+    integrals in them are this rank's shares. asked: Python is asked for data that depend on time;
+    not_recorded: why. asks: it has something to do in each step. fault:
     the first one of a user's function, on this rank, of which all learn after the step.
     evaluations: of the right-hand side.
 
@@ -59,6 +61,7 @@ class State:
     """
 
     fault: FsiError | None = None
+    asked = False
     evaluations = 0
     phases: dict[str, list[Any]]
     #: a step that leaves an unphysical state is made anew in up to so many parts
@@ -120,6 +123,10 @@ class State:
     def complete(self) -> None:
         self._do("complete", SOLUTION)
 
+    @property
+    def asks(self) -> bool:
+        return self.asked
+
     def keep(self) -> None:
         self._kept = [array.copy() for array in self.changing]
 
@@ -169,8 +176,10 @@ class State:
 
     def repeat(self, look: Callable[[], Any]) -> Any:
         """Go on from there until look() finds something in a stage, which is returned: NaN spreads
-        from there. None if it finds nothing. InputError for data that are wrong.
+        from there. None if it finds nothing. Python is asked for recorded data, as it says what is
+        wrong. InputError for data that are wrong.
         """
+        self.asked = not self.problem.steady_data
         while True:
             found = self._advance(look)
             agree(self.comm, self.fault)
@@ -179,6 +188,38 @@ class State:
             self.planning()  # the same steps write the same records
             if self.batch[plan.ALLOWED] == 0.0:
                 return None
+
+    def _record_data(self, groups: Sequence[Sequence[Source]], time: np.ndarray) -> list[Code]:
+        """Codes that fill the data that depend on time, of each group; none if one cannot be
+        recorded. time: (1,), that of the data.
+        """
+        tried = [timed(sources) for sources in groups]
+        self._ask([why for _, refused in tried for why in refused])
+        every = [tuple(found) for found, _ in tried if found and not self.asked]
+        codes, self._time = [Code() for _ in every], time
+        self._data = [c.procedure("set_data", set_data, f, time) for c, f in zip(codes, every)]
+        self._targets = [(one.about, of) for found in every for one in found for of in one.targets]
+        return codes
+
+    def _try_data(self) -> None:
+        """Let Python be asked if recorded data, once they are loaded, are not finite at t = 0, as
+        those of a wall that begins with an infinite acceleration.
+        """
+        if not self.asked:
+            self._fill(0.0)
+            bad = [about for about, of in self._targets if not np.isfinite(of).all()]
+            self._ask([f"{what}: it is not finite at t = 0" for what in bad])
+
+    def _ask(self, why: list[str]) -> None:
+        """Let Python be asked for data if a rank has a reason."""
+        self.not_recorded = [one for some in self.comm.allgather(why) for one in some]
+        self.asked = bool(self.not_recorded)
+
+    def _fill(self, t: float) -> None:
+        """Let C fill the recorded data at time t [s]."""
+        self._time[0] = t
+        for procedure in self._data:
+            procedure()
 
     def _lay_journal(self, record: np.dtype, more: int = 0) -> np.ndarray:
         """Make batch, journal, latest and results. Returns results with so many numbers more."""

@@ -28,7 +28,6 @@ from fsipetsc.process.together import agree, libraries, together
 from fsipetsc.scheme.monitor import MONITORED
 from fsipetsc.scheme.observables import PLACES, VELOCITIES
 from fsipetsc.scheme.plan import RATE, SOLUTION, STAGES
-from fsipetsc.scheme.recorded_data import set_data, timed
 from fsipetsc.state import State
 
 #: by order: how much shorter steps are with dissipation of strength 1 at shocks. That alone is a
@@ -47,7 +46,7 @@ class BlockState(State):
 
     y: this rank's part of the solution. recorded: nodes that are recorded at each step. bounds:
     (blocks, 2), largest rates of convection and diffusion [1/s]; h: mean size of the cells of the
-    finest block [m]. asked: Python is asked for data that depend on time; not_recorded: why.
+    finest block [m].
     """
 
     MOST_PARTS = 16
@@ -97,7 +96,7 @@ class BlockState(State):
         # a grid or a prestress may be wrong on some ranks
         self.parts = together(comm, lambda: {k: of_kind(part, about) for k, of_kind, part in every})
         self._gases = [part for part in self.parts.values() if part.block.kind == "fluid"]
-        found.left, self._time = self._left(), found.time
+        found.left = self._left()
         self._compile(found, announce)
         self._noted = [
             (number, node, row)
@@ -112,12 +111,7 @@ class BlockState(State):
         calling = Code(EXCHANGES)
         does: dict[str, Any] = procedures_of_steps(calling, found)
         having = () if self.problem.steady_data else (*parts, self.system.prescribed)
-        of_data = [timed(part.sources) for part in having]
-        self._ask([why for _, refused in of_data for why in refused])
-        sources = [some for some, _ in of_data if some and not self.asked]
-        data = [Code() for _ in sources]
-        for code, some in zip(data, sources, strict=True):
-            code.procedure("set_data", set_data, tuple(some), found.time)
+        data = self._record_data([part.sources for part in having], found.time)
         codes = [*(part.code for part in parts), *data, self.system.code, calling]
         loaded = libraries(comm, [code.text for code in codes], announce)
         for code, library in zip(codes, loaded, strict=True):
@@ -126,14 +120,9 @@ class BlockState(State):
         members = self.system.sums, self.system.areas, self.system.stored
         exchanges = [layout.halos, *members, *(part.inside for part in parts), does["reduce"]]
         exchanges += [gas.gather for gas in self._gases]
-        self._data = [code.procedures[0] for code in data]
         self.phases = phases(layout, [*parts], self.system, does, self._data)
         self._take_calls(calling.library, does["plan_next"], exchanges)
-        if not self.asked:  # as data of a wall that begins with an infinite acceleration
-            self._fill(0.0)
-            every = [(one.about, of) for some in sources for one in some for of in one.targets]
-            bad = [about for about, of in every if not np.isfinite(of).all()]
-            self._ask([f"{what}: it is not finite at t = 0" for what in bad])
+        self._try_data()
         self.system.begin()
         for gas in self._gases:  # the metrics where nothing has moved
             for name in ("edge", "move", "find_volumes"):
@@ -151,22 +140,11 @@ class BlockState(State):
         ends = np.flatnonzero(np.diff(left, prepend=False, append=False))
         return ends.reshape(-1, 2).astype(np.int64)
 
-    def _ask(self, why: list[str]) -> None:
-        """Let Python be asked for data if a rank has a reason. Collective."""
-        self.not_recorded = [one for some in self.comm.allgather(why) for one in some]
-        self.asked = bool(self.not_recorded)
-
     def _instant(self) -> float:
         """A short time [s], for differences in time; a power of two, so that it hardly changes."""
         rate = float(self.results[RATE])
         _, power = math.frexp(0.25 / rate if 0.0 < rate < np.inf else 1e-3 * self.h)
         return math.ldexp(0.25, power)
-
-    def _fill(self, t: float) -> None:
-        """Let C fill the recorded data at time t [s]."""
-        self._time[0] = t
-        for procedure in self._data:
-            procedure()
 
     def set_initial(self, t_end: float | None = None) -> None:
         """Initial data. Grids of gases follow the solids, at the same density, velocity and
@@ -250,8 +228,7 @@ class BlockState(State):
         self.show(0)
 
     def repeat(self, look: Callable[[], Any]) -> Any:
-        """As of any state; Python is asked for recorded data, as it says what is wrong."""
-        self.asked, self._filled = not self.problem.steady_data, (np.inf, 0.0)
+        self._filled = np.inf, 0.0  # Python is asked anew
         return super().repeat(look)
 
     @property

@@ -13,7 +13,7 @@ Nothing is added up over ranks: results are the same on any number of them, bit 
 """
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from itertools import pairwise
 from types import SimpleNamespace
@@ -27,6 +27,7 @@ from fsipetsc.checks import NOWHERE, Array, checked
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.loops import zeros
 from fsipetsc.kernels.procedure import Code
+from fsipetsc.kernels.symbols import Symbol, numbers_of
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import ends, rates
 from fsipetsc.paper.coupling import Interface, couple, note
@@ -35,13 +36,16 @@ from fsipetsc.parallel.exchange import EXCHANGES, Reduction
 from fsipetsc.problem import Problem, check_place
 from fsipetsc.process.together import agree, libraries, together
 from fsipetsc.scheme.observables import SERIES, record
-from fsipetsc.scheme.plan import OFF_GRID, SOLUTION, STAGES, advance, plan_next
+from fsipetsc.scheme.plan import FRACTIONS, OFF_GRID, SOLUTION, STAGES, advance, plan_next
+from fsipetsc.scheme.recorded_data import Source, asked, set_time
 from fsipetsc.state import State
 
 #: procedures of a layer by name
 _GAS = {"fill": ends.fill_ghost, "rates": rates.gas_rates, "complete": rates.complete_gas}
 _SOLID = {"close": ends.close_solid, "stretch": rates.stretch, "rates": rates.elastic_rates}
 OF_LAYERS = {"fluid": _GAS, "solid": {**_SOLID, "complete": rates.complete_solid}}
+#: of data that have no place
+ONE_PLACE = np.zeros((1, 1))
 #: what is noted of a step: from mass on shares of ranks, at interfaces of the owner of the solid
 NOTED = ["t", "dt", "mass", "energy", "momentum"]
 NOTED += [name for name, one in SERIES.items() if one.of == "interface"]
@@ -55,15 +59,18 @@ class PaperState(State):
     largest rates of convection and diffusion [1/s].
     """
 
+    _begun = False  # data are known
+
     def __init__(self, comm: MPI.Comm, problem: Problem, opt: Any, announce: Any) -> None:
         check_form(problem, opt)
         self.comm, self.problem, self.h = comm, problem, opt["fsi_h"]
-        self.op, self.asks = OPERATORS[opt["fsi_order"]], not problem.steady_data
+        self.op = OPERATORS[opt["fsi_order"]]
         gases = [v for v in problem.layers if v.kind == "fluid"]
         counts = {"gas": len(gases), "interface": len(problem.layers) - 1}
         reduced = self._lay_journal(np.dtype(record(NOTED, counts)), 2 * len(problem.layers))
         self.bounds = reduced[self.results.size :].reshape(-1, 2)
         steps = SimpleNamespace(plan=self.plan, results=self.results, bounds=self.bounds)
+        steps.time = np.zeros(1)
         steps.latest, steps.gases = self.latest_numbers, len(gases)
         notes = steps.latest[steps.gases + 2 :].reshape(-1, counts["interface"])
         made = layers_of(comm, problem, opt, self.op, steps)
@@ -96,9 +103,15 @@ class PaperState(State):
             add(f.__name__, 0, f, steps)
         for n in range(STAGES):
             add("stage", n, partial(advance, n), steps)
+            add("time", n, partial(set_time, FRACTIONS[n]), steps)
         planning = code.procedure("plan_next", plan_next, self.plan)
-        (library,) = libraries(self.comm, [code.text], announce)
-        code.load(library)
+        self._sources = [*self._of_ends(), *self._of_jumps()]
+        timed = [] if self.problem.steady_data else [*self._sources, *self._of_forcing()]
+        codes = [code, *self._record_data([timed], steps.time)]
+        loaded = libraries(self.comm, [one.text for one in codes], announce)
+        for one, library in zip(codes, loaded, strict=True):
+            one.load(library)
+        self._try_data()
         does["tell"] = [self._reduction] if self.comm.size > 1 else []
         completing = "forget", "complete", "note", "tell", "finish"
         self.phases = {
@@ -111,7 +124,9 @@ class PaperState(State):
             # a stage fulfils the conditions but for the ghost point, the completed solution all
             found = [*does["fill" if n > 0 else "begin"], *does["rates"]]
             self.phases |= {f"rates_{n}": found, f"advance_{n}": [*found, does["stage"][n]]}
-        self._take_calls(library, planning, (self._rows, self._halos, self._reduction))
+            if self._data and FRACTIONS[n] != FRACTIONS[n - 1]:  # else it has those of before
+                self.phases[f"data_{n}"] = [does["time"][n], *self._data]
+        self._take_calls(code.library, planning, (self._rows, self._halos, self._reduction))
 
     def vectors(self, n: int) -> tuple[Array, Array]:
         return self._memory, self._memory
@@ -170,16 +185,46 @@ class PaperState(State):
     def seen(self) -> list[Any]:
         return [layer.seen() for layer in self.parts.values()]
 
+    def _of_ends(self) -> Iterator[Source]:
+        def data(end: Any, x: Any, t: Any) -> Any:
+            at = () if isinstance(t, Symbol) else NOWHERE
+            return end.data(lambda name, names: asked(end, name, at, t, names))
+
+        for layer in self.layers:
+            for end, given in zip(layer.ends, layer.given, strict=True):
+                if end is not None:
+                    yield Source(end, partial(data, end), ONE_PLACE, None, *given[:, None])
+
+    def _of_jumps(self) -> Iterator[Source]:
+        jumps, names = self.problem.jumps, ("g_u", "g_stress", "g_T", "g_flux")
+
+        def data(k: int, x: Any, t: Any) -> Any:
+            if isinstance(t, Symbol):
+                return numbers_of(jumps(k, t), len(names))
+            of = names, f"jumps at interface {k} at t = {t:.6g}"
+            return checked(jumps, (k, t), NOWHERE, *of)
+
+        for k, one in enumerate(self.interfaces if jumps else ()):
+            yield Source("jumps", partial(data, k), ONE_PLACE, None, *one.jump[:, None])
+
+    def _of_forcing(self) -> Iterator[Source]:
+        """Of C, for all own points; Python is asked for active ones."""
+        for v in self.parts.values():
+            if v.forcing is not None:
+
+                def data(x: Any, t: Any, of: Any = v) -> Any:
+                    return numbers_of(of.layer.forcing(*x, t), len(of.forcing))
+
+                yield Source("forcing", data, v.X[None], None, *v.forcing[:, slice(*v.own)])
+
     def set_data(self, t: float) -> None:
-        """Evaluate boundary data, jumps and forcing at time t [s]; errors are the fault."""
+        """Let boundary data, jumps and forcing be those at time t [s]; errors are the fault."""
+        if self._begun and not self.asked:
+            return self._fill(t)
+        self._begun = True
         try:
-            for layer in self.layers:
-                for end, given in zip(layer.ends, layer.given, strict=True):
-                    if end is not None:
-                        given[:] = end.data(t)
-            for k, one in enumerate(self.interfaces if self.problem.jumps else ()):
-                of = ("g_u", "g_stress", "g_T", "g_flux"), f"jumps at interface {k} at t = {t:.6g}"
-                one.jump[:] = np.ravel(checked(self.problem.jumps, (k, t), NOWHERE, *of))
+            for one in self._sources:
+                one.fill(t)
             for v in self.parts.values():
                 if v.forcing is not None:
                     values = v.layer.values("forcing", v.X[v.mine], t)

@@ -50,8 +50,7 @@ class Moment(NamedTuple):
 
 def python_is_asked(now: Moment) -> list[str]:
     asked = "Python is asked for data in each stage of a step, which takes longer: "
-    found = now.state.not_recorded[:1] if isinstance(now.state, BlockState) else ()
-    return [asked + why for why in found]
+    return [asked + why for why in now.state.not_recorded[:1]]
 
 
 def heat_stays(now: Moment) -> list[str]:
