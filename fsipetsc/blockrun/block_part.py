@@ -17,7 +17,7 @@ from fsipetsc.blocks.block_problem import BlockFace
 from fsipetsc.blocks.conditions import COLUMNS, VECTORS, Condition
 from fsipetsc.blocks.face_formulas import Effect
 from fsipetsc.blocks.metrics import Curls
-from fsipetsc.checks import POSITIVE, Array, block_values, checked, names_of, place_text
+from fsipetsc.checks import POSITIVE, Array, block_values, names_of, place_text
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.loops import Known, zeros
 from fsipetsc.kernels.procedure import Code, Procedure
@@ -25,7 +25,7 @@ from fsipetsc.kernels.symbols import Symbol, numbers_of
 from fsipetsc.parallel.block_layout import Part
 from fsipetsc.scheme.face_terms import Faces, load_face, pass_face
 from fsipetsc.scheme.observables import SERIES
-from fsipetsc.scheme.recorded_data import Source, asked, positive
+from fsipetsc.scheme.recorded_data import Source, asked, found_by, positive
 from fsipetsc.scheme.sweep import in_order
 
 
@@ -156,12 +156,8 @@ class BlockPart(Part):
 
     def _supplied(self, x: Any, t: Any) -> tuple[Any, Any]:
         """Traction and heat that a solid gets from outside at interfaces, of numbers or symbols."""
-        jumps = self.problem.jumps
-        if isinstance(t, Symbol):
-            *traction, heat = numbers_of(jumps(*x, t), self.d + 1)
-        else:
-            names = *(f"traction along {x}" for x in "xyz"[: self.d]), "heat"
-            *traction, heat = checked(jumps, (*x, t), x, names, f"jumps at t = {t:.6g}")
+        names = *(f"traction along {x}" for x in "xyz"[: self.d]), "heat"
+        *traction, heat = found_by(self.problem.jumps, (*x, t), names, x, "jumps")
         return tuple(traction), heat
 
     def _turned(self, axis: int, side: int, begin: int, end: int) -> Any:

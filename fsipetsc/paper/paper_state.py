@@ -23,7 +23,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.checks import NOWHERE, Array, checked
+from fsipetsc.checks import NOWHERE, Array
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.loops import zeros
 from fsipetsc.kernels.procedure import Code
@@ -37,7 +37,7 @@ from fsipetsc.problem import Problem, check_place
 from fsipetsc.process.together import agree, libraries, together
 from fsipetsc.scheme.observables import SERIES, record
 from fsipetsc.scheme.plan import FRACTIONS, OFF_GRID, SOLUTION, STAGES, advance, plan_next
-from fsipetsc.scheme.recorded_data import Source, asked, set_time
+from fsipetsc.scheme.recorded_data import Source, asked, found_by, set_time
 from fsipetsc.state import State
 
 #: procedures of a layer by name
@@ -105,7 +105,7 @@ class PaperState(State):
             add("stage", n, partial(advance, n), steps)
             add("time", n, partial(set_time, FRACTIONS[n]), steps)
         planning = code.procedure("plan_next", plan_next, self.plan)
-        self._sources = [*self._of_ends(), *self._of_jumps()]
+        self._sources = [*self._of_problem()]
         timed = [] if self.problem.steady_data else [*self._sources, *self._of_forcing()]
         codes = [code, *self._record_data([timed], steps.time)]
         loaded = libraries(self.comm, [one.text for one in codes], announce)
@@ -185,37 +185,34 @@ class PaperState(State):
     def seen(self) -> list[Any]:
         return [layer.seen() for layer in self.parts.values()]
 
-    def _of_ends(self) -> Iterator[Source]:
-        def data(end: Any, x: Any, t: Any) -> Any:
+    def _of_problem(self) -> Iterator[Source]:
+        """Where data of ends and interfaces go."""
+
+        def given(end: Any, x: Any, t: Any) -> list[Any]:
             at = () if isinstance(t, Symbol) else NOWHERE
             return end.data(lambda name, names: asked(end, name, at, t, names))
 
+        def jump(k: int, x: Any, t: Any) -> Any:
+            names = "g_u", "g_stress", "g_T", "g_flux"
+            return found_by(self.problem.jumps, (k, t), names, NOWHERE, f"jumps at interface {k}")
+
         for layer in self.layers:
-            for end, given in zip(layer.ends, layer.given, strict=True):
+            for end, to in zip(layer.ends, layer.given, strict=True):
                 if end is not None:
-                    yield Source(end, partial(data, end), ONE_PLACE, None, *given[:, None])
-
-    def _of_jumps(self) -> Iterator[Source]:
-        jumps, names = self.problem.jumps, ("g_u", "g_stress", "g_T", "g_flux")
-
-        def data(k: int, x: Any, t: Any) -> Any:
-            if isinstance(t, Symbol):
-                return numbers_of(jumps(k, t), len(names))
-            of = names, f"jumps at interface {k} at t = {t:.6g}"
-            return checked(jumps, (k, t), NOWHERE, *of)
-
-        for k, one in enumerate(self.interfaces if jumps else ()):
-            yield Source("jumps", partial(data, k), ONE_PLACE, None, *one.jump[:, None])
+                    yield Source(end, partial(given, end), ONE_PLACE, None, *to[:, None])
+        for k, one in enumerate(self.interfaces if self.problem.jumps else ()):
+            yield Source("jumps", partial(jump, k), ONE_PLACE, None, *one.jump[:, None])
 
     def _of_forcing(self) -> Iterator[Source]:
-        """Of C, for all own points; Python is asked for active ones."""
+        """Where forcing goes, which C fills at all own points."""
+
+        def forcing(v: Any, x: Any, t: Any) -> Any:
+            return numbers_of(v.layer.forcing(*x, t), len(v.forcing))
+
         for v in self.parts.values():
             if v.forcing is not None:
-
-                def data(x: Any, t: Any, of: Any = v) -> Any:
-                    return numbers_of(of.layer.forcing(*x, t), len(of.forcing))
-
-                yield Source("forcing", data, v.X[None], None, *v.forcing[:, slice(*v.own)])
+                to = v.forcing[:, slice(*v.own)]
+                yield Source("forcing", partial(forcing, v), v.X[None], None, *to)
 
     def set_data(self, t: float) -> None:
         """Let boundary data, jumps and forcing be those at time t [s]; errors are the fault."""

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.checks import Array, datum
+from fsipetsc.checks import Array, checked, datum
 from fsipetsc.errors import InputError, place_in, reason
 from fsipetsc.kernels.loops import each
 from fsipetsc.kernels.symbols import Record, Symbol, needed, numbers_of
@@ -74,6 +74,15 @@ def asked(condition: Any, name: str, x: Any, t: Any, names: Sequence[str] = ()) 
     if not callable(of):
         return of
     return numbers_of(of(*x, t), len(names))
+
+
+def found_by(function: Any, at: Sequence[Any], names: Sequence[str], X: Any, what: str) -> Any:
+    """What a function of the case's returns, numbers or symbols, for each name; the last of its
+    arguments is the time. X: (d, n) places, or NOWHERE. InputError.
+    """
+    if isinstance(at[-1], Symbol):
+        return numbers_of(function(*at), len(names))
+    return checked(function, at, X, names, f"{what} at t = {at[-1]:.6g}")
 
 
 def positive(value: Any) -> Any:
