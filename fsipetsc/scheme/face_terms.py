@@ -37,8 +37,8 @@ def add_areas(part, table, areas, less=None):
     for i in each(faces.row.shape[0]):
         for c in range(d):
             at = faces.axis[i] * d + c, faces.node[i]
-            area = areas[at] if less is None else exact(0.5 * (areas[at] - less[at]))
-            table[faces.row[i], faces.column[i] + c] += faces.weight[i] * area
+            number = areas[at] if less is None else exact(0.5 * (areas[at] - less[at]))
+            table[faces.row[i], faces.column[i] + c] += faces.weight[i] * number
 
 
 def normals(part, record):
@@ -112,13 +112,12 @@ def turn_face(face, q, normal):
             face.x[:, i] = add(column(3, face.y, i), row(3, q, face.at[i]))
         face.curls.find(face.x, face.areas, 1, 2)
         for i in each(face.nodes):
-            area = column(3, face.areas, i, face.row)
-            normal[face.begin + i] = scale(face.sign, area)
+            normal[face.begin + i] = scale(face.sign, column(3, face.areas, i, face.row))
 
 
 def pass_face(part, faces, i, q, rates, gain):
     """Add what passes the face at its i-th node."""
-    d, own, column = part.d, faces.own[i], faces.column[i]
+    d, own, account = part.d, faces.own[i], faces.column[i]
     per_weight, across, entering = faces.per_weight[i], faces.across[i], []
     w, face = face_at(part, faces, i, q)
     if faces.effect.by.leaving:
@@ -129,14 +128,14 @@ def pass_face(part, faces, i, q, rates, gain):
     if faces.effect.heated:
         heat = faces.heat[i] * face.size
         entering.append((0.0,) * (d + 1) + (heat,))
-        gain.heat[column] += across * heat
+        gain.heat[account] += across * heat
     for mass, *momentum, energy in entering:
         for c, value in enumerate((mass, *momentum, energy), 1):
             rates[own, c] += per_weight * value
         gain.mass[part.column] += across * mass
         for c, value in enumerate(momentum):
             gain.impulse[c] += across * value
-        gain.energy[column] += across * energy
+        gain.energy[account] += across * energy
 
 
 def face_at(part, faces, i, q):
@@ -157,7 +156,7 @@ def face_at(part, faces, i, q):
 def load_face(part, faces, i, q, rates, gain):
     """Add forces and heat at the i-th node."""
     d, at, own, energy = part.d, faces.at[i], faces.own[i], gain.energy
-    column, across = faces.column[i], faces.across[i]
+    account, across = faces.column[i], faces.across[i]
     A = scale(faces.sign[i], area(part, faces.axis[i], at))
     size, v = np.sqrt(dot(A, A)), row(d, q, at, d)
     force = tuple(size * faces.traction[i, c] for c in range(d))
@@ -177,8 +176,8 @@ def load_face(part, faces, i, q, rates, gain):
         rates[own, d + c] += scaled * force[c]
         gain.impulse[c] += across * force[c]
     rates[own, 2 * d] += scaled * (work + heat)
-    energy[column] += across * (work + heat)
-    gain.heat[column] += across * heat
+    energy[account] += across * (work + heat)
+    gain.heat[account] += across * heat
     if part.loses:
         gain.lost[0] += across * work
 
