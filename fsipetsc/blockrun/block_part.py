@@ -17,15 +17,14 @@ from fsipetsc.blocks.block_problem import BlockFace
 from fsipetsc.blocks.conditions import COLUMNS, VECTORS, Condition
 from fsipetsc.blocks.face_formulas import Effect
 from fsipetsc.blocks.metrics import Curls
-from fsipetsc.checks import POSITIVE, Array, block_values, names_of, place_text
+from fsipetsc.checks import POSITIVE, Array, names_of, place_text
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.loops import Known, zeros
 from fsipetsc.kernels.procedure import Code, Procedure
-from fsipetsc.kernels.symbols import Symbol, numbers_of
 from fsipetsc.parallel.block_layout import Part
 from fsipetsc.scheme.face_terms import Faces, load_face, pass_face
 from fsipetsc.scheme.observables import SERIES
-from fsipetsc.scheme.recorded_data import Source, asked, found_by, positive
+from fsipetsc.scheme.recorded_data import Source, asked, forcing_of, found_by, positive
 from fsipetsc.scheme.sweep import in_order
 
 
@@ -59,7 +58,7 @@ class BlockPart(Part):
         self.forcing, self.forced, self.moves = None, any(self.laws.force), False
         if block.forcing is not None:
             self.forcing = np.zeros((len(names_of(block.kind, "forcing", d)), self.owned.size))
-            given = "forcing", self._forced, self.X[:, self.owned], None
+            given = "forcing", partial(forcing_of, block), self.X[:, self.owned], None
             self.sources.append(Source(*given, *self.forcing))
         # what else procedures take
         reaches, sizes = [band.reach for band in part.bands], part.patch.ghosted
@@ -77,11 +76,6 @@ class BlockPart(Part):
     def add_sources(self, add_force: Any, supply: Any) -> None:
         """Let these functions add a constant force and forcing to rates, if there are any."""
         self.terms += (add_force,) * self.forced + (supply,) * (self.forcing is not None)
-
-    def _forced(self, x: Any, t: Any) -> Any:
-        if isinstance(t, Symbol):
-            return numbers_of(self.block.forcing(*x, t), len(self.forcing))
-        return block_values(self.block, "forcing", x, t)
 
     # what passes faces
 

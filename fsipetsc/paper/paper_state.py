@@ -27,7 +27,7 @@ from fsipetsc.checks import NOWHERE, Array
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.loops import zeros
 from fsipetsc.kernels.procedure import Code
-from fsipetsc.kernels.symbols import Symbol, numbers_of
+from fsipetsc.kernels.symbols import Symbol
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import ends, rates
 from fsipetsc.paper.coupling import Interface, couple, note
@@ -37,7 +37,7 @@ from fsipetsc.problem import Problem, check_place
 from fsipetsc.process.together import agree, libraries, together
 from fsipetsc.scheme.observables import SERIES, record
 from fsipetsc.scheme.plan import FRACTIONS, OFF_GRID, SOLUTION, STAGES, advance, plan_next
-from fsipetsc.scheme.recorded_data import Source, asked, found_by, set_time
+from fsipetsc.scheme.recorded_data import Source, asked, forcing_of, found_by, set_time
 from fsipetsc.state import State
 
 #: procedures of a layer by name
@@ -205,14 +205,10 @@ class PaperState(State):
 
     def _of_forcing(self) -> Iterator[Source]:
         """Where forcing goes, which C fills at all own points."""
-
-        def forcing(v: Any, x: Any, t: Any) -> Any:
-            return numbers_of(v.layer.forcing(*x, t), len(v.forcing))
-
         for v in self.parts.values():
             if v.forcing is not None:
-                to = v.forcing[:, slice(*v.own)]
-                yield Source("forcing", partial(forcing, v), v.X[None], None, *to)
+                given = "forcing", partial(forcing_of, v.layer), v.X[None], None
+                yield Source(*given, *v.forcing[:, slice(*v.own)])
 
     def set_data(self, t: float) -> None:
         """Let boundary data, jumps and forcing be those at time t [s]; errors are the fault."""

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.checks import Array, checked, datum
+from fsipetsc.checks import Array, block_values, checked, datum, names_of
 from fsipetsc.errors import InputError, place_in, reason
 from fsipetsc.kernels.loops import each
 from fsipetsc.kernels.symbols import Record, Symbol, needed, numbers_of
@@ -83,6 +83,14 @@ def found_by(function: Any, at: Sequence[Any], names: Sequence[str], X: Any, wha
     if isinstance(at[-1], Symbol):
         return numbers_of(function(*at), len(names))
     return checked(function, at, X, names, f"{what} at t = {at[-1]:.6g}")
+
+
+def forcing_of(block: Any, x: Any, t: Any) -> Any:
+    """The forcing of a block, or of a layer of the paper's method: numbers, or symbols."""
+    if not isinstance(t, Symbol):
+        return block_values(block, "forcing", x, t)
+    names = getattr(block, "unknowns", None) or names_of(block.kind, "forcing", len(x))
+    return numbers_of(block.forcing(*x, t), len(names))
 
 
 def positive(value: Any) -> Any:
