@@ -46,7 +46,7 @@ class State:
     results: flags and limits of the last step, batch: fsipetsc.scheme.plan. journal: records of
     steps; latest: that of the last one, without its time, latest_numbers: the same as doubles; the
     integrals in them are this rank's shares. asked: Python is asked for data that depend on time;
-    not_recorded: why. asks: it has something to do in each step. fault:
+    not_recorded: why. fault:
     the first one of a user's function, on this rank, of which all learn after the step.
     evaluations: of the right-hand side.
 
@@ -123,17 +123,13 @@ class State:
     def complete(self) -> None:
         self._do("complete", SOLUTION)
 
-    @property
-    def asks(self) -> bool:
-        return self.asked
-
     def keep(self) -> None:
         self._kept = [array.copy() for array in self.changing]
 
     def step(self) -> None:
         """Make the planned step from the completed solution, and the others of its batch, in C."""
         self.keep()
-        if self.asks:
+        if self.asked:
             self._advance()
             self.planning()
         else:

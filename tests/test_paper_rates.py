@@ -114,7 +114,7 @@ def test_rates_are_the_frozen_ones():
     assert frozen.keys() == RUNS.keys()
     for name, asked in RUNS.items():
         state = state_of(**asked)
-        assert not state.asks, "data that depend on time are recorded"
+        assert not state.asked, "data that depend on time are recorded"
         found, expected = np.array(measured(state)), np.array(frozen[name])
         assert found.shape == expected.shape and (expected[:, 1] > 0).sum() > 15
         assert (np.abs(found - expected)[:, 0] <= 2e-11 * expected[:, 1]).all(), name

@@ -43,7 +43,7 @@ def data_of(state):
 
 def asked_and_recorded(state, t):
     """The data at time t as Python has them, and as they are recorded."""
-    assert not state.asks, state.not_recorded
+    assert not state.asked, state.not_recorded
     state.set_initial()
     complete(state, t, state.y)
     recorded = [array.copy() for array in data_of(state)]
@@ -100,7 +100,7 @@ def test_python_is_asked_for_other_functions(name):
     """The wall goes where it should, and a note says why they are asked for."""
     x, why = NOT_RECORDED[name]
     state = state_of(at_wall(x, T=lambda t: 1.0))
-    assert state.asks and why in state.not_recorded[0]
+    assert state.asked and why in state.not_recorded[0]
     state.set_initial()
     state.finish()
     said = notes(BEGIN, Moment(state, {"ts_dt": 1.0, "fsi_cfl": 1.0}, 0.0, set()))[0]

@@ -38,7 +38,8 @@ class BlockPart(Part):
 
     about: layout of blocks; opt: options in force; particles: all of the problem, system: of those
     here; columns: name -> where a series, or this block's number of it, is in the record of a step;
-    found: fsipetsc.scheme.plan. InputError, perhaps on this rank alone.
+    found: fsipetsc.scheme.plan; recorded: nodes that each step records. InputError, perhaps on this
+    rank alone.
     """
 
     def __init__(self, part: Part, about: SimpleNamespace) -> None:
@@ -72,10 +73,17 @@ class BlockPart(Part):
         columns = {name: c + number.get(SERIES[name].of, 0) for name, c in about.columns.items()}
         self.columns = SimpleNamespace(**columns)
         self.at_particles = about.system.faces_at(part.k)
+        self.points = self._recorded(about.recorded) if about.recorded else None
 
     def add_sources(self, add_force: Any, supply: Any) -> None:
         """Let these functions add a constant force and forcing to rates, if there are any."""
         self.terms += (add_force,) * self.forced + (supply,) * (self.forcing is not None)
+
+    def _recorded(self, nodes: Sequence[Any]) -> Array:
+        """(n, 2), numbers and owned rows of the nodes here that are recorded at each step."""
+        own = (self.rows_among([n for k, n, _ in (node,) if k == self.k]) for node in nodes)
+        found = [(number, row) for number, rows in enumerate(own) for row in rows]
+        return np.array(found, np.int64).reshape(-1, 2)
 
     # what passes faces
 

@@ -91,6 +91,7 @@ class BlockState(State):
         found.at_ends = tuple(self.latest_numbers[end] for end in ends)
         about = SimpleNamespace(layout=layout, opt=opt, particles=particles, system=self.system)
         about.found, about.columns = found, {name: where.start for name, where in at.items()}
+        about.recorded = self.recorded
         kinds: dict[str, Any] = {"fluid": GasPart, "solid": SolidPart}
         every = [(k, kinds[problem.blocks[k].kind], part) for k, part in layout.parts.items()]
         # a grid or a prestress may be wrong on some ranks
@@ -98,12 +99,6 @@ class BlockState(State):
         self._gases = [part for part in self.parts.values() if part.block.kind == "fluid"]
         found.left = self._left()
         self._compile(found, announce)
-        self._noted = [
-            (number, node, row)
-            for number, node in enumerate(self.recorded)
-            if node.block in self.parts
-            for row in self.parts[node.block].rows_among([node.node]).tolist()
-        ]
 
     def _compile(self, found: Any, announce: Callable[[str], None]) -> None:
         """Record what is not of parts, load all, and list what a step calls. InputError."""
@@ -194,11 +189,6 @@ class BlockState(State):
         if not self.asked:
             self._fill(t)
 
-    @property
-    def asks(self) -> bool:
-        """Python is asked for data at each stage, or for what is recorded of nodes."""
-        return self.asked or bool(self.recorded)
-
     def load(self, n: int, y: np.ndarray) -> None:
         if n < STAGES:
             self._now[n][:] = y
@@ -217,7 +207,6 @@ class BlockState(State):
         super().complete()
         self._do("inside", SOLUTION)
         self._shown = self.y
-        saved.note_nodes(self, self._noted)
 
     def begin(self) -> None:
         for gas in self._gases:

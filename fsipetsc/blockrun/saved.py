@@ -1,6 +1,5 @@
 """What a result file holds of blocks: fields, columns of the record of a step, recorded nodes."""
 
-from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -96,22 +95,3 @@ def _nearest(problem: BlockProblem, place: Array) -> Probe:
         where = f"no block is there; the nearest node is {least:g} away"
         raise InputError(f"-fsi_probes {text}: {where}")
     return Probe(k, node, tuple(X.tolist()))
-
-
-def note_nodes(state: Any, noted: Sequence[tuple[int, Probe, int]]) -> None:
-    """Write into the record of a step what is known of nodes (number, node, its row here) of the
-    completed state, whose halos are filled: place, velocity, temperature; pressure, of solids minus
-    the mean of the normal stresses in the plane and of hoops.
-    """
-    d = state.problem.dimension
-    names = [name for one in TABLE if one.of == "point" for name in one.names(d)]
-    for number, node, row in noted:
-        part, q = state.parts[node.block], state.ghosted(node.block)
-        known = dict(zip(part.names, part.fields(q, slice(row, row + 1))[0].tolist(), strict=True))
-        if part.block.kind == "solid":
-            stress = part.stressed(q, [row])[2][..., 0]
-            of_hoops = known.get("sigma_theta", 0.0) - (known["p"] if d == 1 else 0.0)
-            normal = [*np.diag(stress), *[of_hoops] * state.problem.symmetry]
-            known["p"] = -float(np.sum(normal)) / len(normal)
-        for name in names:
-            state.latest[name][number] = known[name.removesuffix("_point")]

@@ -32,12 +32,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fsipetsc.equations.gas import named
 from fsipetsc.equations.vectors import add, dot, scale, sub
 from fsipetsc.kernels.loops import column, each, row
+from fsipetsc.kernels.symbols import exact
 from fsipetsc.materials.stiffened_gas import PerfectGas, stiffened_gas
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.face_terms import add_areas, turn_plane
-from fsipetsc.scheme.monitor import observe
+from fsipetsc.scheme.monitor import note_points, observe
 from fsipetsc.scheme.part import area, book, moving, nodes_of, owned_planes
 
 #: laws whose entropy the two-point flux of fsipetsc.equations.gas conserves
@@ -170,6 +172,14 @@ def monitor(part, found, y):
         part.grid.bound()
         metrics = part.grid.bounds
     observe(part, found, lambda own, n: seen_at(part, q, metrics, own, n))
+    if part.points is not None:
+        note_points(part, found, lambda own, n: point_at(part, q, own, n))
+
+
+def point_at(part, q, own, n):
+    """Return what `note_points` asks for, with the bits of what is saved."""
+    w = named(exact(part.laws.primitive(row(part.d + 3, q, own))))
+    return *column(part.d, part.places, n), *w.u, w.T, w.p
 
 
 def seen_at(part, q, metrics, own, n):

@@ -9,7 +9,7 @@ import numpy as np
 
 from fsipetsc.equations.vectors import cross
 from fsipetsc.kernels.loops import each, variable
-from fsipetsc.scheme.observables import PLACES
+from fsipetsc.scheme.observables import PLACES, VELOCITIES
 from fsipetsc.scheme.part import rows_of
 from fsipetsc.scheme.plan import BAD, RATE, SAID_STOP, STOP
 
@@ -81,6 +81,18 @@ def moment(x, p):
     if len(x) < 3:
         return {"angular_momentum": x[0] * p[1] - x[1] * p[0]} if len(x) == 2 else {}
     return along_axes("angular_momentum", cross(x, p))
+
+
+def note_points(part, found, known):
+    """Put into the record of the step what known(own, node) returns of nodes that are recorded, by
+    their numbers among the owned ones and in the ghosted array: place, velocity, T, p.
+    """
+    points, d = part.points, part.d
+    names = *(f"{x}_point" for x in (*PLACES[:d], *VELOCITIES[:d])), "T_point", "p_point"
+    for m in each(points.shape[0]):
+        own = points[m, 1]
+        for name, value in zip(names, known(own, part.patch.ghosted_rows(own)), strict=True):
+            found.latest[getattr(part.columns, name) + points[m, 0]] = value
 
 
 def begin_monitor(found):

@@ -11,7 +11,7 @@ from fsipetsc.equations.vectors import add, dot, per
 from fsipetsc.kernels.loops import column, each, row
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.face_terms import strain_at
-from fsipetsc.scheme.monitor import observe
+from fsipetsc.scheme.monitor import note_points, observe
 from fsipetsc.scheme.part import book, ghosted_planes, nodes_of, owned_planes
 
 
@@ -58,6 +58,8 @@ def monitor(part, found, y):
     observe(part, found, lambda own, node: seen_at(part, q, own, node))
     if part.d == 1:
         note_ends(part, q, found)
+    if part.points is not None:
+        note_points(part, found, lambda own, n: point_at(part, q, own, n))
 
 
 def measure(part, y, q):
@@ -67,22 +69,38 @@ def measure(part, y, q):
 
 
 def stressed(part, q, out):
-    """Fill planes of the owned nodes with T, p, the Cauchy stress P F^T/J and that of hoops, by the
-    last F; q: planes of the ghosted nodes.
+    """Fill planes of the owned nodes with T, p, the Cauchy stress and that of hoops, by the last F;
+    q: planes of the ghosted nodes.
     """
     d, solid, M = part.d, part.laws, part.masses.shape[0]
     q = q.reshape(part.dof, part.metrics.shape[1]).T
     for at, own in nodes_of(part):
-        F = column(solid.strains(d), part.F, own)
-        v, e = row(d, q, at, d), q[at, 2 * d]
-        T, J = temperature(part, v, e, F, at), solid.volume(F)
-        P = solid.stress_at(F, T)
-        if part.prestress is not None:
-            P = add(P, column(d * d, part.prestress, at))
-        stress = per(product(P, transpose(F[: d * d])), J)
-        hoops = (solid.hoop_stress(F, T),) if solid.around else ()
+        T, J, stress, hoops = stress_at(part, row(d, q, at, d), q[at, 2 * d], own, at)
         for c, number in enumerate((T, solid.pressure_at(J, T), *stress, *hoops)):
             out[c * M + own] = number
+
+
+def stress_at(part, v, e, own, node):
+    """T, J, the Cauchy stress P F^T/J of a node, by the last F, and that of hoops, if any."""
+    d, solid = part.d, part.laws
+    F = column(solid.strains(d), part.F, own)
+    T, J = temperature(part, v, e, F, node), solid.volume(F)
+    P = solid.stress_at(F, T)
+    if part.prestress is not None:
+        P = add(P, column(d * d, part.prestress, node))
+    hoops = (solid.hoop_stress(F, T),) if solid.around else ()
+    return T, J, per(product(P, transpose(F[: d * d])), J), hoops
+
+
+def point_at(part, q, own, node):
+    """Return what `note_points` asks for; p is minus the mean of the normal stresses in the plane,
+    and of hoops.
+    """
+    d, v = part.d, row(part.d, q, own, part.d)
+    T, _, stress, hoops = stress_at(part, v, q[own, 2 * d], own, node)
+    normal = [one - part.p_ref for one in stress[:: d + 1]] + [*hoops] * len(part.laws.around)
+    place = add(column(d, part.X, node), row(d, q, own))
+    return *place, *v, T, -sum(normal) / float(len(normal))
 
 
 def seen_at(part, q, own, node):

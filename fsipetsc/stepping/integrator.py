@@ -72,7 +72,7 @@ class Integrator:
             state.restore(past.arrays, self.t)
         self._pass()
         self.batch_limit = 1  # most steps in one call
-        if self._fused and not state.asks and not self._watched:
+        if self._fused and not state.asked and not self._watched:
             most = MOST_POINTS[state.problem.dimension] // state.points
             self.batch_limit = max(1, min(MOST_STEPS, most))
 
