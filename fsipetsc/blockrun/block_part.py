@@ -81,8 +81,12 @@ class BlockPart(Part):
 
     def _recorded(self, nodes: Sequence[Any]) -> Array:
         """(n, 2), numbers and owned rows of the nodes here that are recorded at each step."""
-        own = (self.rows_among([n for k, n, _ in (node,) if k == self.k]) for node in nodes)
-        found = [(number, row) for number, rows in enumerate(own) for row in rows]
+        found = [
+            (number, row)
+            for number, node in enumerate(nodes)
+            if node.block == self.k
+            for row in self.rows_among([node.node])
+        ]
         return np.array(found, np.int64).reshape(-1, 2)
 
     # what passes faces
