@@ -8,13 +8,12 @@ from functools import wraps
 from typing import Any
 
 from fsipetsc.blocks import conditions
-from fsipetsc.blocks.conditions import Checked, Condition
 
 #: a number, or a function of time
 Timed = float | Callable[[float], Any]
 
 
-class Boundary(Checked):
+class Boundary(conditions.Checked):
     """What stands at an outer end of a kind of layer, ``of``.
 
     given: names of data beside heat and the place. degree: of the formulas of an embedded boundary;
@@ -31,7 +30,7 @@ class Boundary(Checked):
         names = (name for name in ("T", "heat_flux") if getattr(self, name, None) is not None)
         return next(names, "")
 
-    def condition(self, material: Any) -> Condition:
+    def condition(self, material: Any) -> conditions.Condition:
         """The condition of a block of this material that this is."""
         raise NotImplementedError
 
@@ -43,8 +42,7 @@ class Boundary(Checked):
         for name in self.given:
             value = ask(name, several.get(name, ()))
             found.extend(value if name in several else [value])
-        found += [0.0] * (5 - len(found))
-        return [*found[:4], ask(self.heated, ()) if self.heated else found[4]]
+        return [*found, *[0.0] * (4 - len(found)), ask(self.heated, ()) if self.heated else 0.0]
 
     def _of_place(self, name: str, then: Callable[[Any], Any] = lambda v: v) -> Any:
         """A datum as a condition has it, changed by ``then``; a function of t gets X, too."""
@@ -84,7 +82,7 @@ class Wall(Boundary):
         """The wall does not stay where it is."""
         return callable(self.x) or self.velocity is not None
 
-    def condition(self, material: Any) -> Condition:
+    def condition(self, material: Any) -> conditions.Condition:
         x = self._of_place("x", lambda x: (x,)) if callable(self.x) else None
         velocity = self._of_place("velocity", lambda u: (u,))
         return conditions.NoSlip(**self._warm(), x=x, velocity=velocity)
@@ -113,7 +111,7 @@ class Open(Boundary):
         super().__post_init__()
         conditions.Open(self.p0, self.u0, self.T0, self.order)  # checks the order
 
-    def condition(self, material: Any) -> Condition:
+    def condition(self, material: Any) -> conditions.Condition:
         rho = float(material.gas_law.density(self.p0, self.T0))
         return conditions.Open(rho, (self.u0,), self.T0, self.order)
 
@@ -133,7 +131,7 @@ class Dirichlet(Boundary):
     degree = 0
     functions = ("values",)
 
-    def condition(self, material: Any) -> Condition:
+    def condition(self, material: Any) -> conditions.Condition:
         return conditions.Given(self._of_place("values"))
 
 
@@ -164,7 +162,7 @@ class clamped(SolidEnd):
     velocity: Timed = 0.0
     given = ("velocity",)
 
-    def condition(self, material: Any) -> Condition:
+    def condition(self, material: Any) -> conditions.Condition:
         velocity = self._of_place("velocity", lambda u: (u,))
         moving = velocity if callable(velocity) else lambda X, t: velocity
         return conditions.Clamped(velocity=moving if velocity != (0.0,) else None, **self._warm())
@@ -181,7 +179,7 @@ class free(SolidEnd):
     stress: Timed = 0.0
     given = ("stress",)
 
-    def condition(self, material: Any) -> Condition:
+    def condition(self, material: Any) -> conditions.Condition:
         return conditions.Free(self._of_place("stress", lambda stress: -stress), **self._warm())
 
 
@@ -196,5 +194,5 @@ class absorbing(SolidEnd):
     stress: Timed = 0.0
     given = ("stress",)
 
-    def condition(self, material: Any) -> Condition:
+    def condition(self, material: Any) -> conditions.Condition:
         return conditions.Absorbing(self._of_place("stress"), **self._warm())

@@ -81,46 +81,41 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns:
         The exit status; errors are printed, not raised.
     """
-    with nullcontext() if argv is None else left_as_found():
-        return _main(sys.argv[1:] if argv is None else list(argv))
-
-
-def _main(arguments: list[str]) -> int:
+    first, *rest = (sys.argv[1:] if argv is None else argv) or ["-help"]
     notes = None
-    try:
-        first = arguments[0] if arguments else "-help"
-        by_one = first in COMMANDS and COMMANDS[first].by_one
-        if by_one or not (HELP_FLAGS | _VERSION_FLAGS).isdisjoint([first, *arguments]):
-            if not launcher_rank():
-                _answer(first, arguments[1:])
-        else:
-            world = start_mpi(alone=True)
-            notes = world.Dup()
-            if first in COMMANDS:
-                command, rest = COMMANDS[first], arguments[1:]
-                if command.arguments == _CASE and (not rest or is_option(rest[0])):
-                    raise InputError(f"{first}: CASE is missing: {PROGRAM} {first} {_CASE}")
-                command.find(first)(rest, world)
+    with nullcontext() if argv is None else left_as_found():
+        try:
+            command = COMMANDS.get(first)
+            alone = command is not None and command.by_one
+            if alone or not (HELP_FLAGS | _VERSION_FLAGS).isdisjoint([first, *rest]):
+                if not launcher_rank():
+                    _answer(first, command, rest)
             else:
-                case = together(world, lambda: load_case(first, tuple(COMMANDS)))
-                given = start_petsc(arguments[1:], world)
-                from fsipetsc.stepping.run import run_given
+                world = start_mpi(alone=True)
+                notes = world.Dup()
+                if command is not None:
+                    if command.arguments == _CASE and (not rest or is_option(rest[0])):
+                        raise InputError(f"{first}: CASE is missing: {PROGRAM} {first} {_CASE}")
+                    command.find(first)(rest, world)
+                else:
+                    case = together(world, lambda: load_case(first, tuple(COMMANDS)))
+                    given = start_petsc(rest, world)
+                    from fsipetsc.stepping.run import run_given
 
-                run_given(case, given, world)
-        print(end="", flush=True)  # while an error can still be answered
-    except BrokenPipeError:  # the reader, a pager or head, has seen enough
-        abandon_output()
-    except (Exception, KeyboardInterrupt) as error:
-        return end_together(error, notes)
-    finally:
-        if notes is not None:
-            notes.Free()
+                    run_given(case, given, world)
+            print(end="", flush=True)  # while an error can still be answered
+        except BrokenPipeError:  # the reader, a pager or head, has seen enough
+            abandon_output()
+        except (Exception, KeyboardInterrupt) as error:
+            return end_together(error, notes)
+        finally:
+            if notes is not None:
+                notes.Free()
     return 0
 
 
-def _answer(first: str, rest: list[str]) -> None:
+def _answer(first: str, command: Command | None, rest: list[str]) -> None:
     """Print a text about the program, or do a command that one process does."""
-    command = COMMANDS.get(first)
     if not _VERSION_FLAGS.isdisjoint([first, *rest]):
         print(f"fsipetsc {__version__}")
     elif first in HELP_FLAGS:

@@ -169,8 +169,7 @@ class Problem:
 
     def ends(self, k: int) -> tuple[Boundary | None, Boundary | None]:
         """What stands at the left and the right end of layer k, None where a layer does."""
-        last = len(self.layers) - 1
-        return self.left if k == 0 else None, self.right if k == last else None
+        return self.left if k == 0 else None, self.right if k == len(self.layers) - 1 else None
 
     @property
     def interface_names(self) -> list[str]:

@@ -156,12 +156,11 @@ def _of_series(a: Run, b: Run, notes: list[str]) -> Iterator[Difference]:
     names = _both(a.series, b.series, "series", notes)
     t, other_t = (run.series.get("t", np.empty(0)) for run in (a, b))
     times, in_a, in_b = _common(t, other_t, "steps", notes)
-    same = len(times) == len(t) == len(other_t)
     for name in names if len(times) else ():
         one, two = (of.reshape(len(of), -1) for of in (a.series[name], b.series[name]))
         if one.shape[1] != two.shape[1]:
             notes.append(f"series {name} has {one.shape[1]} and {two.shape[1]} columns")
-        elif same or SERIES[name].kind != GAIN:
+        elif len(times) == len(t) == len(other_t) or SERIES[name].kind != GAIN:
             yield _difference(name, one[in_a], two[in_b], times, None)
 
 

@@ -168,8 +168,7 @@ class View:
                 self.base |= dict.fromkeys(some, base)
                 low, high = low - base, high - base
         self._colour([(kind, k, of[-1] - self.base.get(kind, 0.0)) for kind, k, of in known])
-        axis = "r" if run.header.get("symmetry") else "xyz"[run.dimension - 1]
-        last = labelled(run, axis, "m")
+        last = labelled(run, "r" if run.header.get("symmetry") else "xyz"[run.dimension - 1], "m")
         if self.plane:
             margin = MARGIN * np.ptp(ranges, axis=1).max() * np.array([-1.0, 1.0])
             self.limits, self.axes = [*(ranges + margin)], (labelled(run, "x", "m"), last)
@@ -383,8 +382,7 @@ def draw_over_time(figure: Figure, run: Run, names: Sequence[str]) -> None:
             of_points = (np.transpose(of) for of in (x, values))  # triangles of few frames show
             x, values = ([np.interp(t, run.time, one) for one in of] for of in of_points)
             shown = np.transpose(x), np.repeat(t[:, None], len(x), axis=1), np.transpose(values)
-            scale = view.scales[layer.kind]
-            axes.pcolormesh(*shown, shading="gouraud", rasterized=True, **scale)
+            axes.pcolormesh(*shown, shading="gouraud", rasterized=True, **view.scales[layer.kind])
         lines = run.series.get("x_interface", np.empty((0, 0))).T
         for x, (color, width) in product(lines, OUTLINE):
             axes.plot(x, run.series["t"], color=color, linewidth=width)

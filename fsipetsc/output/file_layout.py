@@ -167,8 +167,7 @@ def put(path: Path, content: bytes) -> None:
 
 def beside(path: str | os.PathLike[str], ending: str) -> Path:
     """Return NAME with another ending for NAME.h5; a name without .h5 is NAME as it is."""
-    path = Path(path)
-    return path.with_name(f"{path.name.removesuffix('.h5')}{ending}")
+    return Path(f"{Path(path)}".removesuffix(".h5") + ending)
 
 
 def piece(folder: Path, number: int, ending: str = ".h5") -> Path:

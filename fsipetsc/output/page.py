@@ -20,7 +20,7 @@ from fsipetsc.output import drawing
 from fsipetsc.output.drawing import USUAL, Figure, View, Wanted
 from fsipetsc.output.file_layout import writing
 from fsipetsc.output.info import info
-from fsipetsc.output.quantities import chosen, labelled, there, title_of, unit_of
+from fsipetsc.output.quantities import chosen, labelled, there, unit_of
 from fsipetsc.output.reader import Run, open_run
 from fsipetsc.scheme.observables import PLACE, SERIES, drifts
 
@@ -74,7 +74,8 @@ def plot(path: str, given: Mapping[str, str]) -> str:
         raise InputError(f"plot: -o {where}: needs the program ffmpeg, which was not found")
     with open_run(path) as run, rc_context(drawing.STYLE), np.errstate(all="ignore"):
         for name, one in pictures(run, wanted).items() if every else ():
-            picture = drawn(run, TITLES.get(name, title_of(run, name)), [one])
+            labels = there(run).get(name, {"": TITLES.get(name, name)})  # of gases, of solids
+            picture = drawn(run, "; ".join(dict.fromkeys(labels.values())), [one])
             done.append(drawing.save(picture, where / f"{stem}-{name}.png"))
         if film:
             targets = [where / f"{stem}{kind}" for kind in FILMS[: 1 + films]]
@@ -254,12 +255,6 @@ def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
     canvas.draw()
     figure.set_layout_engine("none")  # only what is drawn moves from now on
     rate = max(1.0, len(frames) / FILM_SECONDS)
-
-    def image(frame: int) -> Image.Image:
-        show(frame)
-        canvas.draw()
-        return Image.fromarray(np.array(canvas.buffer_rgba())[..., :3])
-
     with writing(target, "the film"):
         if target.suffix == ".mp4":
             film = FFMpegWriter(rate)
@@ -268,7 +263,11 @@ def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
                     show(frame)
                     film.grab_frame()
             return target
-        images = [image(frame) for frame in frames]
+        images = []
+        for frame in frames:
+            show(frame)
+            canvas.draw()
+            images.append(Image.fromarray(np.array(canvas.buffer_rgba())[..., :3]))
         if target.suffix == ".gif":  # one palette, which has rare colours, too
             sheet = Image.fromarray(np.concatenate(images[:: -(-len(images) // 8)]))
             palette = sheet.quantize(method=Image.Quantize.MAXCOVERAGE, kmeans=3)

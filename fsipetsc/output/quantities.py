@@ -74,11 +74,6 @@ def there(run: Run) -> dict[str, dict[str, str]]:
     return {name: of for name, of in labels.items() if of}
 
 
-def title_of(run: Run, name: str) -> str:
-    """Return the label of a quantity, of gases and of solids; another name as it is."""
-    return "; ".join(dict.fromkeys(there(run).get(name, {"": name}).values()))
-
-
 def chosen(run: Run, names: Sequence[str]) -> list[str]:
     """Return these names of what can be drawn; if there are none, those of a page. InputError."""
     known = there(run)

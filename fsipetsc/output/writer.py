@@ -17,7 +17,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import IO, Any, NamedTuple, TypeVar
+from typing import IO, Any, NamedTuple
 from uuid import uuid4
 
 import numpy as np
@@ -29,9 +29,8 @@ from fsipetsc.errors import FileError, FsiError
 from fsipetsc.output import file_layout as layout
 from fsipetsc.output.file_layout import beside, publish
 from fsipetsc.output.reader import open_run
-from fsipetsc.process.together import together
+from fsipetsc.process.together import Result, together
 
-Result = TypeVar("Result")
 #: a piece is written after so many frames, bytes of a rank, or seconds
 FRAMES, BYTES, SECONDS = 256, 64 << 20, 2.0
 _SPARE = 1 << 16  # bytes for what HDF5 needs besides the numbers

@@ -13,7 +13,6 @@ and one memory, so that one message has what a rank needs of all blocks from ano
 know from the shares which nodes each of them needs.
 """
 
-from collections.abc import Sequence
 from itertools import accumulate
 from math import prod
 from operator import mul
@@ -182,8 +181,8 @@ class BlockLayout:
     def _part(self, k: int, memory: Array, inside: Exchange) -> Part:
         """This rank's part of block k, whose ghosted array is the beginning of ``memory``."""
         block, dof, rank = self.problem.blocks[k], self.dofs[k], self.comm.rank
-        share = self.shares[k]
-        own, ghosted = _padded(share.part(rank)), _padded(self._ghosted(k, rank))
+        share, others = self.shares[k], [(0, 1)] * (AXES - block.dimension)
+        own, ghosted = (*share.part(rank), *others), (*self._ghosted(k, rank), *others)
         sizes = [tuple(b - a for a, b in spans) for spans in (own, ghosted)]
         patch = Patch(*sizes, tuple(a - g for (a, _), (g, _) in zip(own, ghosted, strict=True)))
         axes = range(block.dimension)
@@ -193,7 +192,7 @@ class BlockLayout:
         odd = (axes[-1], axes[-1] + block.dimension) if block.kind == "solid" else dof - 2
         part = Part(k=k, patch=patch, dof=dof, begin=self._begins[k], inside=inside)
         part.ghosted, part.numbers = ghosted[: block.dimension], share.nodes(rank)
-        part.bands = (*bands, *[NO_AXIS] * (AXES - len(bands)))
+        part.bands = (*bands, *[NO_AXIS] * len(others))
         part.halo = local if own != ghosted else local[:, :0].copy()
         part.signs = np.where(np.isin(np.arange(dof), odd), -1.0, 1.0)[: dof * images]
         return part
@@ -217,7 +216,3 @@ class BlockLayout:
         found: Array = vector.getArray(readonly=True).reshape(-1, columns).copy()
         vector.destroy()
         return found
-
-
-def _padded(spans: Sequence[tuple[int, int]]) -> tuple[tuple[int, int], ...]:
-    return (*spans, *[(0, 1)] * (AXES - len(spans)))

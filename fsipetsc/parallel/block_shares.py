@@ -45,11 +45,6 @@ class Extent(NamedTuple):
         """Parts that there can be along each axis."""
         return tuple(max(1, n // least) for n, least in zip(self.shape, self.least, strict=True))
 
-    @property
-    def whole(self) -> list[tuple[int, ...]]:
-        """The cuts of a block that is one part."""
-        return [(0, n) for n in self.shape]
-
 
 class Share(NamedTuple):
     """The ranks of a block, those along axis 0 side by side, and the cuts of each axis."""
@@ -132,7 +127,8 @@ def _physics(extents: Sequence[Extent], caps: Sequence[int], size: int) -> list[
     loads, found = [0.0] * size, dict[int, Share]()
     for k in sorted(range(len(extents)), key=lambda k: -works[k]):  # the largest first
         rank = loads.index(min(loads))
-        found[k], loads[rank] = Share((rank,), tuple(extents[k].whole)), loads[rank] + works[k]
+        found[k] = _cut(extents[k], range(rank, rank + 1))
+        loads[rank] += works[k]
     return [found[k] for k in range(len(extents))]
 
 
@@ -175,6 +171,6 @@ def _slabs(extent: Extent, begin: float, end: float, size: int) -> Share | None:
     kept = [(rank, a, b) for rank, (a, b) in zip(range(first, last + 1), pairwise(cuts)) if b > a]
     if any(b - a < min(least, n) for _, a, b in kept):
         return None
-    whole = extent.whole
-    whole[axis] = (0, *(b for _, _, b in kept))
-    return Share(tuple(rank for rank, _, _ in kept), tuple(whole))
+    every: list[tuple[int, ...]] = [(0, n) for n in extent.shape]
+    every[axis] = (0, *(b for _, _, b in kept))
+    return Share(tuple(rank for rank, _, _ in kept), tuple(every))

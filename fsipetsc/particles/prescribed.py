@@ -142,8 +142,7 @@ class Prescribed:
 
     def _velocities(self, condition: Any, who: Any, times: Sequence[float]) -> Array:
         """(times, d, particles)."""
-        x = self._x[who].T
-        return np.array([motion(condition, self._instant, x, t)[1] for t in times])
+        return np.array([motion(condition, self._instant, self._x[who].T, t)[1] for t in times])
 
     def _agree(self, v: Array, other: Array, most: Any, who: Any, times: Any, *words: str) -> None:
         """InputError where two velocities differ by more than ``most``; words: to say so."""

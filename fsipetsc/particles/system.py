@@ -51,10 +51,9 @@ class ParticleSystem:
         most = max([1, *(len(p.constraints) for p in particles)])
         ranks = {me, *owners.tolist()}
         wanted = {rank: np.isin(number, number[owners == rank]) for rank in sorted(ranks)}
-        columns = max(d + 3, 2 * d + 1), 2 * most * d, 1
         self.sums, self.areas, self.stored = (
             RowExchange(layout.comm, tag, owners, wanted, np.zeros((owners.size, c)))
-            for tag, c in enumerate(columns, PARTICLES_TAG)
+            for tag, c in enumerate((max(d + 3, 2 * d + 1), 2 * most * d, 1), PARTICLES_TAG)
         )
         self.prescribed = Prescribed(layout.problem, particles, here, instant)
         begin = np.searchsorted(number, np.arange(n + 1))

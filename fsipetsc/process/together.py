@@ -73,9 +73,7 @@ def agree(comm: Comm, fault: FsiError | None) -> None:
     """Raise the fault of the lowest rank that has one, on all ranks; none may have. Collective."""
     clear_frames(fault)
     mine = None if fault is None else (type(fault), fault.args)
-    first = next((known for known in comm.allgather(mine) if known is not None), None)
-    if first is not None:
-        kind, words = first
+    for kind, words in filter(None, comm.allgather(mine)):
         raise kind(*words) from fault
 
 

@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from fsipetsc import cases
-from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.options import PROGRAM, read_options
 from fsipetsc.output.geometry_picture import draw_geometry, geometry_rows
@@ -25,9 +24,8 @@ def new(name: str, given: Mapping[str, str]) -> str:
         raise InputError(f"new: '{name}' is no name of a case file: {expected}")
     if len(given) > 1:
         raise InputError(f"new: {' and '.join(given)} are given: expected one of them")
-    template = "".join(["template", *(option.replace("-", "_") for option in given), ".py"])
-    template = "ring.py" if "-blocks" in given else template
-    text = Path(cases.__file__).with_name(template).read_text(encoding="utf-8")
+    template = "ring" if "-blocks" in given else "".join(["template", *given]).replace("-", "_")
+    text = Path(cases.__file__).with_name(f"{template}.py").read_text(encoding="utf-8")
     text = text.replace("FILE.py", shlex.quote(name)).replace("NAME.", f"{path.stem}.")
     with path.open("x", encoding="utf-8") as file:
         file.write(text)
@@ -35,7 +33,7 @@ def new(name: str, given: Mapping[str, str]) -> str:
 
 
 def compile(arguments: list[str], comm: Comm) -> None:
-    case = together(comm, lambda: load_case(arguments[0]))
+    case = together(comm, lambda: cases.load_case(arguments[0]))
     options = read_options(case, start_petsc(arguments[1:], comm))
     from fsipetsc.stepping.run import build_problem, make_state  # which start PETSc if none has
 
@@ -45,7 +43,7 @@ def compile(arguments: list[str], comm: Comm) -> None:
 
 
 def geometry(arguments: list[str], comm: Comm) -> None:
-    case = together(comm, lambda: load_case(arguments[0]))
+    case = together(comm, lambda: cases.load_case(arguments[0]))
     opt = read_options(case, start_petsc(arguments[1:], comm))
     from fsipetsc.stepping.run import build_problem
 

@@ -13,7 +13,6 @@ from fsipetsc.errors import InputError, clear_frames, petsc_words
 from fsipetsc.process.together import agree
 from fsipetsc.scheme import plan
 from fsipetsc.scheme.observables import INTEGRAL, SERIES
-from fsipetsc.scheme.plan import STAGES
 from fsipetsc.state import FAULT, State
 from fsipetsc.stepping.notes import check
 from fsipetsc.stepping.restart import Past
@@ -91,8 +90,8 @@ class Integrator:
         """The records of steps since the last time, not copied; on rank 0 with sums over ranks."""
         comm, steps, self._recorded = self.comm, self.state.journal[: self._recorded], 0
         if comm.size > 1 and len(steps):
-            kinds = [SERIES[name].kind for name in steps.dtype.names]
-            name = steps.dtype.names[kinds.index(INTEGRAL)]  # from there on these are shares
+            # from the first integral on these are shares
+            name = next(name for name in steps.dtype.names if SERIES[name].kind == INTEGRAL)
             first = steps.dtype.fields[name][1] // 8
             own = steps.view(np.float64).reshape(len(steps), -1)[:, first:]
             sums = own.copy()
@@ -101,11 +100,6 @@ class Integrator:
         if comm.rank == 0 and len(steps):
             self.reached = {name: steps[name][-1].tolist() for name in self.initial}
         return steps
-
-    @property
-    def full(self) -> bool:
-        """Whether the journal has no room for another step."""
-        return self._recorded == len(self.state.journal)
 
     def run(self) -> None:
         """Integrate to the end, a signal, or a failure, which is raised."""
@@ -128,7 +122,7 @@ class Integrator:
         be saved; due: whether a checkpoint is wanted, after so many steps, by the clock of rank 0,
         after a signal, and at the end for those who want any.
         """
-        if self.full:
+        if self._recorded == len(self.state.journal):  # it has no room for another step
             self.take_series()
 
     def _create(self) -> PETSc.TS:
@@ -198,7 +192,7 @@ class Integrator:
         """Make the steps before an unphysical one again, or if none are, that in 2, 4 … parts."""
         state, made, parts = self.state, int(self.state.batch[plan.MADE]), 2
         if made > 1:
-            state.evaluations -= STAGES * made  # counted when they are made once more
+            state.evaluations -= plan.STAGES * made  # counted when they are made once more
             state.go_back()
             state.batch[plan.ALLOWED] = made - 1
             state.step()

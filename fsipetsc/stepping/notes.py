@@ -167,8 +167,7 @@ def check(state: State, opt: Mapping[str, Any], t: float, step: int) -> None:
         state.go_back()
         waves = imaginary_waves(Moment(state, opt, float(state.batch[TIME]), set()))
         first = state.repeat(partial(first_bad, state)) or first
-        helps = waves or [help_with(opt)]
-        raise ComputationError("; ".join([f"{first}, {when}", *helps]))
+        raise ComputationError("; ".join([f"{first}, {when}", *(waves or [help_with(opt)])]))
     if flags[OFF_GRID]:
         raise ComputationError(f"at {when} {state.used_up()}")
 
@@ -186,8 +185,7 @@ def first_bad(state: State) -> str:
                 where = f"{place_text(x[i], 'xyz')}{m}, {place_text(X[i])}{m}"
                 text = f"{name} {number} in layer '{state.problem.layers[k].name}' at {where}"
                 bad.append((k, int(numbers[i]), order, text))
-    every = (found for some in state.comm.allgather(bad) for found in some)
-    return min(every, default=("",))[-1]
+    return min((one for some in state.comm.allgather(bad) for one in some), default=("",))[-1]
 
 
 def of_laws(
@@ -214,16 +212,13 @@ def of_laws(
 
 BEGIN, FRAME, END = "a run begins", "a frame is saved", "a run ends"
 #: when something is looked for, and what, if it is there, is said of it
-NOTES: tuple[tuple[str, Callable[[Moment], Sequence[str]]], ...] = (
-    (BEGIN, lambda now: now.state.problem.notes),
-    (BEGIN, python_is_asked),
-    (BEGIN, heat_stays),
-    (BEGIN, long_steps),
-    (FRAME, imaginary_waves),
-    (END, steep_waves),
-)
+NOTES: Mapping[str, tuple[Callable[[Moment], Sequence[str]], ...]] = {
+    BEGIN: (lambda now: now.state.problem.notes, python_is_asked, heat_stays, long_steps),
+    FRAME: (imaginary_waves,),
+    END: (steep_waves,),
+}
 
 
 def notes(when: str, now: Moment) -> list[str]:
     """What is to be said at a moment."""
-    return [text for moment, look in NOTES if moment == when for text in look(now)]
+    return [text for look in NOTES[when] for text in look(now)]

@@ -32,10 +32,9 @@ from fsipetsc.problem import Problem, blocks_of_line
 from fsipetsc.process.together import say, together
 from fsipetsc.scheme.plan import RATE, longest_step
 from fsipetsc.state import State
-from fsipetsc.stepping import restart
 from fsipetsc.stepping.integrator import KEPT, Integrator
 from fsipetsc.stepping.notes import BEGIN, END, FRAME, Moment, long_steps, notes, of_laws
-from fsipetsc.stepping.restart import Past
+from fsipetsc.stepping.restart import Past, checkpoint_name, facts, find_past, other_checkpoint
 
 #: before the place of what a run that failed has computed
 REMAINS = "; what was computed before is in "
@@ -75,13 +74,12 @@ def run_given(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> dict[str, 
     how it begins; return the options in force. Collective. InputError, ComputationError (what was
     computed is written), FileError, Interrupted.
     """
-    past = restart.find_past(case, given, comm)
+    past = find_past(case, given, comm)
     options = read_options(case, given, inherited=past.header["options"] if past else {})
-    problem = build_problem(case, options, comm)
     announce = (lambda text: None) if options["fsi_quiet"] else say
-    with make_state(problem, options, comm, announce) as state:
+    with make_state(build_problem(case, options, comm), options, comm, announce) as state:
         if past is not None:
-            past.check(restart.facts(state, options))
+            past.check(facts(state, options))
         state.set_initial(options["ts_max_time"])
         run = Run(case.NAME, options, state, past)
         if options["fsi_check"]:
@@ -123,7 +121,7 @@ class Run(Integrator):
         super().__init__(state, opt, past)
         self.name, self.problem, self.past = name, state.problem, past
         self.s, self.m = self.problem.unit("s"), self.problem.unit("m")
-        self.path = restart.checkpoint_name(opt)
+        self.path = checkpoint_name(opt)
         self._speaks = self.comm.rank == 0 and not opt["fsi_quiet"]
         self._job = self.t, self.steps, self.wall_time  # where this job begins
         self._told: set[int] = set()  # of fsipetsc.stepping.notes.Moment
@@ -164,8 +162,7 @@ class Run(Integrator):
         rate = float(self.state.results[RATE])
         dt = float(longest_step(opt["fsi_cfl"], opt["ts_dt"] or 0.0, rate))
         count = f"{(opt['ts_max_time'] - self.t) / dt:,.0f} like it to the end"
-        self.line(f"first step: {dt:.3g}{self.s}, by {self.bound}; {count}")
-        self.line("checked, and not run")
+        self.line(f"first step: {dt:.3g}{self.s}, by {self.bound}; {count}", "checked, and not run")
 
     @property
     def bound(self) -> str:
@@ -197,8 +194,7 @@ class Run(Integrator):
 
     def open(self) -> RunWriter:
         """Begin the result, or go on with it. Collective; InputError, FileError."""
-        of = self.path, self.opt, self.past
-        other = together(self.comm, lambda: restart.other_checkpoint(*of))
+        other = together(self.comm, lambda: other_checkpoint(self.path, self.opt, self.past))
         after = Kept(*self.past.header["result"]) if self.past else None
         packages = "fsipetsc", "petsc4py", "mpi4py", "numpy"
         header = {
@@ -231,7 +227,7 @@ class Run(Integrator):
 
     def follow_up(self, longest: float, passed: bool, due: bool) -> None:
         self.say_progress(longest)
-        if self.full:
+        if self._recorded == len(self.state.journal):
             self.writer.flush(now=False)
         if passed:
             self.frame()
@@ -244,7 +240,7 @@ class Run(Integrator):
         header = {
             "case": self.name,
             "options": {k: v for k, v in self.opt.items() if k not in OF_A_RUN},
-            "facts": restart.facts(self.state, self.opt),
+            "facts": facts(self.state, self.opt),
             "memory": {name: getattr(self, name) for name in KEPT},
             "result": Kept(self.writer.mark, self.writer.nframes, self.writer.rows, self.t),
         }
@@ -282,9 +278,8 @@ class Run(Integrator):
                 raise
             failure.args = (f"{failure}; {error}",)
             raise failure from None
-        where = str(self.writer.path)
-        if number:
-            where = f"{self.writer.folder} (opened as {self.writer.path.name})"
+        folder, path = self.writer.folder, self.writer.path
+        where = f"{folder} (opened as {path.name})" if number else str(path)
         norm, errors = self.opt["fsi_norm"], summary_rows(found or {})
         of_kinds = [(f"{norm} errors, {kind}", text) for kind, text in errors]
         self.line(table([*summary_rows(summary, self.s), *of_kinds]), f"result in {where}")
@@ -299,7 +294,6 @@ class Run(Integrator):
             raise Interrupted(number, f"stopped by {when}; {kept}")
 
     def _summary(self, failure: Exception | None) -> dict[str, Any]:
-        state, names = self.state, self.problem.interface_names
         status = "failed" if failure else "stopped" if self.stop_signal else "done"
         message = str(failure or "")
         written = self.comm.rank == 0 and self.writer.rows
@@ -314,9 +308,9 @@ class Run(Integrator):
             "t": self.t,
             "steps": self.steps,
             "rejected_steps": self.rejected,
-            "rhs_evaluations": state.evaluations,
-            "interfaces": dict(zip(names, places)),
-            "points": state.points,
+            "rhs_evaluations": self.state.evaluations,
+            "interfaces": dict(zip(self.problem.interface_names, places)),
+            "points": self.state.points,
             "wall_time": self.wall_time,
             "bound": self.bound,
             **of_laws(series, self.problem.invariants, self.initial),
