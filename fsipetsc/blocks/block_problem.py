@@ -185,15 +185,14 @@ class BlockProblem:
         nothing comes in, and they give no heat to solids.
         """
         blocks, outer = self.blocks, self.outer_faces.values()
-        solids = [block.material for block in blocks if block.kind == "solid"]
+        solids = [block for block in blocks if block.kind == "solid"]
         gases = [k for k, block in enumerate(blocks) if block.kind == "fluid"]
         pairs = ((blocks[gas].material, blocks[k].material) for gas, k in self.interfaces)
         shared = any(gas.kappa > 0.0 and solid.kappa_e > 0.0 for gas, solid in pairs)
         entropy = all(map(knows_entropy, self.gas_laws)) and not (shared or self._forced)
-        entropy &= all(solid.heat == "elastic" for solid in solids)
+        entropy &= all(solid.material.heat == "elastic" for solid in solids)
         entropy &= all(condition.conserves_energy for condition in outer)
-        sizes = [size_of(block, self.symmetry) for block in blocks if block.kind == "solid"]
-        masses = [solid.m0 * size for solid, size in zip(solids, sizes)]
+        masses = [solid.material.m0 * size_of(solid, self.symmetry) for solid in solids]
         joins = np.array(self._pairs("fluid", "fluid"), int).reshape(-1, 2).T
         body_of = united(len(blocks), [tuple(joins)])[gases]
         bodies = [np.flatnonzero(body_of == body).tolist() for body in np.unique(body_of)]
@@ -205,7 +204,7 @@ class BlockProblem:
             "energy": True,
             "entropy": entropy,
             "inertia": sum(masses),
-            "heat_capacity": sum(m * solid.alpha for m, solid in zip(masses, solids)),
+            "heat_capacity": sum(m * solid.material.alpha for m, solid in zip(masses, solids)),
         }
 
     def _find_laws(self) -> None:
@@ -223,10 +222,9 @@ class BlockProblem:
             gases = [k for k, _ in members if k in self._law_of]
             if len({self._law_of[k] for k in gases}) > 1:
                 place = place_text(self.places(members[0][0], np.array([members[0][1]])))
-                raise InputError(
-                    f"{' and '.join(str(self.blocks[k]) for k in gases)} meet at {place}, and are "
-                    "gases of different laws: expected one law, or a solid between them"
-                )
+                names = " and ".join(str(self.blocks[k]) for k in gases)
+                wrong = "are gases of different laws: expected one law, or a solid between them"
+                raise InputError(f"{names} meet at {place}, and {wrong}")
 
     def law_at(self, members: Sequence[tuple[int, int]]) -> int:
         """The number of the law of the gas among (block, node) at one place; 0 if there is none."""

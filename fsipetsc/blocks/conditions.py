@@ -247,8 +247,7 @@ class Outflow(Condition):
         m = np.maximum((dot(n, gas.velocity(w)) - g) / face.size, 0.0) / gas.speed_of_sound(w)
         p = w[1] + np.maximum(1.0 - m * m, 0.0) * (pressure - w[1])
         held = gas.state(w[0], gas.velocity(w), gas.law.temperature_of(w[0], p))
-        fast = surface_flux(gas, w, n, g)
-        return choose(pressure == 0.0, fast, mixed_flux(gas, w, held, n, g))
+        return choose(pressure == 0.0, surface_flux(gas, w, n, g), mixed_flux(gas, w, held, n, g))
 
 
 @dataclass(frozen=True)

@@ -118,9 +118,8 @@ def by_characteristics(gas, w, beyond, face, viscous):
     leaves = fast_out | ((speed >= 0.0) & ~fast_in)
     of_side = np.where(leaves, rho, rho_out), np.where(leaves, p, p_out), np.where(leaves, c, c_out)
     rho_face = of_side[0] + (between - of_side[1]) / (of_side[2] * of_side[2])
-    speed, rho_face, between = choose(
-        fast_out, (a, rho, p), choose(fast_in, (a_out, rho_out, p_out), (speed, rho_face, between))
-    )
+    slow = choose(fast_in, (a_out, rho_out, p_out), (speed, rho_face, between))
+    speed, rho_face, between = choose(fast_out, (a, rho, p), slow)
     T_face = law.temperature_of(rho_face, between)
     there_is = (rho_mean > 0.0) & (T_mean > 0.0) & (rho_face > 0.0) & (T_face > 0.0)
     known = choose(leaves, along(u, speed - a, N), along(u_out, speed - a_out, N))

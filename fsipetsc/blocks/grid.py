@@ -55,8 +55,7 @@ class Grid(SimpleNamespace):
     ) -> None:
         block, centred, d = problem.blocks[k], problem.centred(k), problem.dimension
         self.d, self.hoops = Known(d), Known(problem.symmetry)
-        about = problem, k, order, where
-        self.wide: Any = (Curls if d == 3 else Wide)(*about, faces)
+        self.wide: Any = (Curls if d == 3 else Wide)(problem, k, order, where, faces)
         self.blend = Blend(block, self.wide, nodes, centred)
         self.x = self.flat = zeros(self.wide.y.shape)
         self.volume = np.zeros(self.wide.N)
@@ -84,8 +83,7 @@ class Grid(SimpleNamespace):
     def swing(self, known):
         """Fill the velocity, after `edge` and `move`."""
         self.blend.complete(self.blend.moving, known, self.d)
-        velocity = self.metrics[self.d * self.d :]
-        self.blend.fill(self.blend.moving, velocity, self.blend.inner)
+        self.blend.fill(self.blend.moving, self.metrics[self.d * self.d :], self.blend.inner)
 
     def find_places(self, X, places):
         """Find where nodes are (d, N), after `move`; X: those of the reference map."""
@@ -232,8 +230,7 @@ class Blend(SimpleNamespace):
                 vertices = [{a: i, b: j} for i, j in ((0, 0), (1, 1), (1, 0), (0, 1))]
                 for ends in ({}, {a: 0}, {a: 1}, {b: 0}, {b: 1}, *vertices):
                     to = [ends[k] * last[k] + 0 * i if k in ends else i for k, i in enumerate(at)]
-                    at_face = np.ravel_multi_index(to, shape, order="F")
-                    found.append(np.searchsorted(nodes, at_face))
+                    found.append(np.searchsorted(nodes, np.ravel_multi_index(to, shape, order="F")))
                 of_ends = [end_weights(block, k, at[k], centred) for k in (a, b)]
                 if a == b:  # the ends of an edge count as its edges a
                     of_ends[1][:] = 0.0

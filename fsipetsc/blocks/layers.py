@@ -123,9 +123,8 @@ def layers(
             beyond = (*where[:axis], where[axis] + 2 * side - 1, *where[axis + 1 :])
             if beyond not in blocks:
                 ended = axis == len(along) and 0 <= beyond[axis] < len(stack)
-                condition = layer.beside if ended else given.get((axis, side))
-                condition = condition or _goes_on(layer, along, axis, side, ended)
-                faces[block.name, axis, side] = condition
+                found = layer.beside if ended else given.get((axis, side))
+                faces[block.name, axis, side] = found or _goes_on(layer, along, axis, side, ended)
     return BlockProblem(tuple(blocks.values()), faces, **more)
 
 

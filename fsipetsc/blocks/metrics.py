@@ -132,13 +132,11 @@ class Wide(SimpleNamespace):
 
     def run(self, of, x, out, P, everywhere=False, box=None):
         """Run a kernel on the range, a box in it, or everywhere; x: planes of all nodes."""
-        source, target = (x.reshape(-1), self.W, self.axes, self.at), (self.N, self.place)
-        box = self.range if box is None else box
-        if everywhere:
-            box, target = self.every, (self.W, self.at)
+        source, out = (x.reshape(-1), self.W, self.axes, self.at), out.reshape(-1)
+        target = (out, self.W, self.at) if everywhere else (out, self.N, self.place)
+        box = self.every if everywhere else self.range if box is None else box
         for z in each(box[2, 0], box[2, 1]):
-            of_all = source, (out.reshape(-1), *target)
-            self.run_layer(of, 0, box, z, range(len(self.axes)), *of_all, P)
+            self.run_layer(of, 0, box, z, range(len(self.axes)), source, target, P)
 
     def run_layer(self, of, i, box, z, along, source, target, P):
         """Run a kernel on the rows of a layer of a box. source: planes, how far they are apart, the
@@ -183,8 +181,7 @@ class Curls(Wide):
         steps = self.axes[2].far // layer
         self.far = int(np.abs(steps).max())
         self.slots = 2 * self.far + 1
-        in_ring = ((z + steps) % self.slots - z % self.slots) * layer
-        self.ring = self.axes[2]._replace(far=in_ring)
+        self.ring = self.axes[2]._replace(far=((z + steps) % self.slots - z % self.slots) * layer)
         self.q = zeros((9, self.slots * layer))
         self.products = np.array([np.cross(self.P[i - 2], self.P[i - 1]) for i in range(3)])
 

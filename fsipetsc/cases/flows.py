@@ -80,11 +80,9 @@ def step(opt: Opt) -> BlockProblem:
     gas, flow = common.gas_of(opt, R=1.0 / rho), common.constant(rho, M, 0.0, 1.0)
     inflow, step = Open(rho, (M, 0.0), 1.0), Slip()
     floor, above = {(0, 0): inflow, (0, 1): step}, {(0, 0): inflow, (0, 1): Outflow()}
-    members = (
-        Layer("before", gas, (0.0, high), flow, span=((0.0, place),), sides=floor),
-        Layer("above", gas, (high, 1.0), flow, sides=above, beside=step),
-    )
-    return common.stack(opt, *members, along=((0.0, 3.0),), lower=Slip(), upper=Slip())
+    before = Layer("before", gas, (0.0, high), flow, span=((0.0, place),), sides=floor)
+    over = Layer("above", gas, (high, 1.0), flow, sides=above, beside=step)
+    return common.stack(opt, before, over, along=((0.0, 3.0),), lower=Slip(), upper=Slip())
 
 
 @case(
@@ -237,13 +235,11 @@ def cylinder(opt: Opt) -> BlockProblem:
         """From the circle to a side of the channel."""
         angle = np.pi / 4 * (2.0 * xi[1] - 1.0 + 2.0 * q)
         circle = radius * np.cos(angle), radius * np.sin(angle)
-        ends = zip(corners[q], corners[(q + 1) % 4])
-        return between(xi[0], circle, tuple((1 - xi[1]) * a + xi[1] * b for a, b in ends))
+        return between(xi[0], circle, between(xi[1], corners[q], corners[(q + 1) % 4]))
 
     cells = common.cells_of(opt, np.pi / 2 * radius, radius - core, 1.25)
-    content = (solid, common.at_rest()), (gas, flow)
     sides = Outflow(AHEAD.p), Slip(), inflow, Slip()
-    return disk_in_gas(radius, core, cells, *content, in_gas, sides)
+    return disk_in_gas(radius, core, cells, (solid, common.at_rest()), (gas, flow), in_gas, sides)
 
 
 @case(
@@ -275,17 +271,15 @@ def nozzle(opt: Opt) -> BlockProblem:
         return z, (1.0 - xi[1]) * (radius(z) + low) + xi[1] * outer
 
     core = off_axis(lambda xi: (length * xi[0], xi[1] * radius(length * xi[0])), inside)
-    still = common.constant(AHEAD.rho, 0.0, 0.0, 1.0)
-    blocks = (
-        Block("inside", gas, core, (along, inside), flow),
-        Block("wall", wall, partial(from_wall, 0.0, thickness), (along, across), common.at_rest()),
-        Block("around", gas, partial(from_wall, thickness, 0.0), (along, around), still),
-    )
+    still, rest = common.constant(AHEAD.rho, 0.0, 0.0, 1.0), common.at_rest()
+    inner = Block("inside", gas, core, (along, inside), flow)
+    lining = Block("wall", wall, partial(from_wall, 0.0, thickness), (along, across), rest)
+    outer = Block("around", gas, partial(from_wall, thickness, 0.0), (along, around), still)
     faces = {("inside", 1, 0): Centre(), ("around", 1, 1): Slip()}
     faces |= {("inside", 0, 0): inflow, ("inside", 0, 1): Outflow(AHEAD.p)}
     for side in (0, 1):
         faces |= {("wall", 0, side): Clamped(), ("around", 0, side): Slip()}
-    return BlockProblem(blocks, faces, units="none", symmetry=1)
+    return BlockProblem((inner, lining, outer), faces, units="none", symmetry=1)
 
 
 @case(
@@ -319,8 +313,7 @@ def fin(opt: Opt) -> BlockProblem:
         map = rectangle((x[i], y[j]), (x[i + 1], y[j + 1]))
         material, start = (steel, rest) if panel else (air, flow)
         blocks.append(Block(name, material, map, (columns[i], rows[j]), start))
-        floor = Clamped() if panel else Slip()
-        faces[name, 1, j] = Slip() if j else floor
+        faces[name, 1, j] = Clamped() if panel else Slip()
         if i != 1:
             faces[name, 0, i // 2] = Slip() if i else inflow
     return BlockProblem(tuple(blocks), faces)

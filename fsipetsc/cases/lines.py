@@ -36,12 +36,10 @@ def rod(opt: Opt) -> Problem:
     gas, rod = gas_of(opt), solid_of(opt, force=opt["rod_gravity"])
     p0, T0, wall, top = (opt[f"rod_{name}"] for name in ("p0", "T0", "wall", "top"))
     still = constant(p0 / (gas.R * T0), 0.0, T0)
-    layers = (
-        FluidLayer("below", gas, (wall, 1.0), still),
-        SolidLayer("rod", rod, (1.0, 2.0), line_at_rest(rod.pressure(T0, 1.0) - p0, T0)),
-        FluidLayer("above", gas, (2.0, top), still),
-    )
-    return Problem(layers, left=Wall(wall), right=Open(top, p0, T0))
+    below = FluidLayer("below", gas, (wall, 1.0), still)
+    middle = SolidLayer("rod", rod, (1.0, 2.0), line_at_rest(rod.pressure(T0, 1.0) - p0, T0))
+    above = FluidLayer("above", gas, (2.0, top), still)
+    return Problem((below, middle, above), left=Wall(wall), right=Open(top, p0, T0))
 
 
 @case(
@@ -120,7 +118,7 @@ def box(opt: Opt) -> Problem:
     """
     gas, solid = gas_of(opt), solid_of(opt)
     P, T = (2.2, 2.0), (5.0, 4.0)  # on the left, on the right
-    left, right = (constant(p / (gas.R * t), 0.0, t) for p, t in zip(P, T))
+    hot, cool = (constant(p / (gas.R * t), 0.0, t) for p, t in zip(P, T))
 
     def between(X):
         z = X - 1.0  # from 0 to 1, as what is done is
@@ -129,12 +127,10 @@ def box(opt: Opt) -> Problem:
         p, t = P[0] + (P[1] - P[0]) * done, T[0] + (T[1] - T[0]) * done
         return [np.zeros_like(X), solid.pressure(t, 1.0) - p, t, X]
 
-    layers = (
-        FluidLayer("left", gas, (0.0, 1.0), left),
-        SolidLayer("solid", solid, (1.0, 2.0), between),
-        FluidLayer("right", gas, (2.0, 3.0), right),
-    )
-    return Problem(layers, Wall(0.0), Wall(3.0), units="none")
+    left = FluidLayer("left", gas, (0.0, 1.0), hot)
+    middle = SolidLayer("solid", solid, (1.0, 2.0), between)
+    right = FluidLayer("right", gas, (2.0, 3.0), cool)
+    return Problem((left, middle, right), Wall(0.0), Wall(3.0), units="none")
 
 
 @case(
@@ -157,14 +153,12 @@ def column(opt: Opt) -> Problem:
         return [rho, 0 * X, power(rho, gas.gamma - 1)]
 
     still, rest = constant(1.0, 0.0, 1.0), line_at_rest(-1.0, 1.0)
-    layers = (
-        SolidLayer("bottom", solid, (0.0, 1.0), rest),
-        FluidLayer("lower gas", gas, (1.0, 2.0), pulse),
-        SolidLayer("plate", solid, (2.0, 2.5), rest),
-        FluidLayer("upper gas", gas, (2.5, 3.5), still),
-        SolidLayer("top", solid, (3.5, 4.5), rest),
-    )
-    return Problem(layers, clamped(), clamped(), units="none")
+    bottom = SolidLayer("bottom", solid, (0.0, 1.0), rest)
+    lower = FluidLayer("lower gas", gas, (1.0, 2.0), pulse)
+    plate = SolidLayer("plate", solid, (2.0, 2.5), rest)
+    upper = FluidLayer("upper gas", gas, (2.5, 3.5), still)
+    top = SolidLayer("top", solid, (3.5, 4.5), rest)
+    return Problem((bottom, lower, plate, upper, top), clamped(), clamped(), units="none")
 
 
 @case(
@@ -184,12 +178,10 @@ def piston(opt: Opt) -> Problem:
     phase = lambda t: 0.5 * np.pi * np.minimum(t, time) / time  # noqa: E731
     speed = lambda t: stroke * np.pi / time * np.sin(phase(t)) * np.cos(phase(t))  # noqa: E731
     wall = Wall(lambda t: stroke * np.sin(phase(t)) ** 2, velocity=speed)
-    layers = (
-        FluidLayer("driven", gas, (0.0, 1.0), still),
-        SolidLayer("layer", solid, (1.0, 1.2), line_at_rest(-p0, T0)),
-        FluidLayer("behind", gas, (1.2, 2.2), still),
-    )
-    return Problem(layers, wall, Wall(2.2))
+    driven = FluidLayer("driven", gas, (0.0, 1.0), still)
+    layer = SolidLayer("layer", solid, (1.0, 1.2), line_at_rest(-p0, T0))
+    behind = FluidLayer("behind", gas, (1.2, 2.2), still)
+    return Problem((driven, layer, behind), wall, Wall(2.2))
 
 
 #: points of the collocation in either layer

@@ -14,7 +14,6 @@ import numpy as np
 
 from fsipetsc import BlockProblem, ElasticSolid, FluidLayer, Layer, Option, Problem, SolidLayer
 from fsipetsc.blocks.conditions import Given, NoSlip
-from fsipetsc.blocks.maps import Places
 from fsipetsc.boundaries import Dirichlet
 from fsipetsc.cases.common import Opt, case, gas_of, materials, solid_of, stack
 from fsipetsc.cases.flows import disk_in_gas
@@ -165,11 +164,8 @@ class Flat(Solution):
 
     def drift(self, *where: Any) -> Numbers:
         p, q, ripple, eta, t = self._space(where)
-        drift = self._axes(
-            0.6 * np.sin(TURN * p - t),
-            0.4 * np.sin(TURN * q + t),
-            0.5 * np.cos(TURN * p + 2.0 * t) * ripple,
-        )
+        u, v = 0.6 * np.sin(TURN * p - t), 0.4 * np.sin(TURN * q + t)
+        drift = self._axes(u, v, 0.5 * np.cos(TURN * p + 2.0 * t) * ripple)
         return scale(eta * (1.0 - eta), drift)
 
     def T(self, *where: Any) -> Any:
@@ -201,8 +197,7 @@ def box_mms(opt: Opt) -> BlockProblem:
 
     def layer(name, material, low, of, forcing):
         sides = None if opt["box_periodic"] or d == 1 else Given(of)
-        more = {"sides": sides, "forcing": forcing, "exact": of}
-        return Layer(name, material, (low, low + 1.0), of, **more)
+        return Layer(name, material, (low, low + 1.0), of, sides=sides, forcing=forcing, exact=of)
 
     def supplied(*where):  # the normal is that of the axis eta
         return exact.jump(*where, *[0.0] * (d - 1), 1.0)
@@ -271,13 +266,6 @@ class Disk(Solution):
         return x, y, u, v
 
 
-def to_box(q: int, xi: Places) -> Places:
-    """Map from the circle to a side of the box along rays."""
-    angle = np.pi / 4 * (2.0 * (xi[1] + q) - 1.0)
-    ray = np.stack([np.cos(angle), np.sin(angle)])
-    return tuple((1.0 - xi[0] + xi[0] * BOX / np.abs(ray).max(axis=0)) * ray)
-
-
 @case(
     {"fsi_h": 1 / 16, "ts_max_time": 0.1, "fsi_output_dt": 0.1},
     *materials(fluid_mu=0.02, fluid_kappa=0.03, solid_kappa=0.05),
@@ -295,11 +283,16 @@ def body_mms(opt: Opt) -> BlockProblem:
     gas = exact.fluid, exact.exact_gas, exact.force_gas, exact.exact_gas
     sides = [Given(exact.exact_gas, **walls)] * 4
 
+    def to_box(q, xi):
+        """From the circle to a side of the box along rays."""
+        angle = np.pi / 4 * (2.0 * (xi[1] + q) - 1.0)
+        ray = np.stack([np.cos(angle), np.sin(angle)])
+        return tuple((1.0 - xi[0] + xi[0] * BOX / np.abs(ray).max(axis=0)) * ray)
+
     def supplied(X, Y, t):
         return exact.jump(X, Y, t, *scale(-1.0 / np.sqrt(X * X + Y * Y), (X, Y)))
 
-    problem = disk_in_gas(1.0, HALF, (n, n, n), solid, gas, to_box, sides)
-    return replace(problem, jumps=supplied)
+    return replace(disk_in_gas(1.0, HALF, (n, n, n), solid, gas, to_box, sides), jumps=supplied)
 
 
 @case(

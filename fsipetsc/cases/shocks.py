@@ -275,13 +275,11 @@ def superseismic(opt: Opt) -> BlockProblem:
         passed = np.cos(phi) * (x - t) + np.sin(phi) * y < 0.0
         return [np.where(passed, b, a) for a, b in zip(ahead, behind)]
 
-    parts = 0, slice(1, 3), 3
-    rho, u, T = (lambda X, Y, t, part=part: gas(X, Y, t)[part] for part in parts)
+    rho, u, T = (lambda X, Y, t, at=at: gas(X, Y, t)[at] for at in (0, slice(1, 3), 3))
     outside, p = Open(rho, u, T), ahead[0] * ahead[3]
     material = ElasticSolid(mu, lame, 0.0, 1.0, 1.0, p, law="linear", heat="elastic")
-    air = Fluid(0.0, 0.0, GAMMA, 1.0)
     below = Layer("half space", material, (-height, 0.0), solid, exact=solid, sides=Given(solid))
-    above = Layer("gas", air, (0.0, height), gas, exact=gas, sides=outside)
+    above = Layer("gas", Fluid(0.0, 0.0, GAMMA, 1.0), (0.0, height), gas, exact=gas, sides=outside)
     return stack(opt, below, above, lower=Given(solid), upper=outside, along=((-0.5, 1.0),))
 
 

@@ -65,11 +65,10 @@ class OwnSolid(NamedTuple):
         return reduce(np.maximum, reduce(add, sizes))
 
     def acoustic_tensor(self, F, N):
-        d, columns = len(N), []
-        for k in range(d):
-            ways = tuple(N[m % d] if m // d == k else 0.0 for m in range(d * d))
-            columns.append(apply(derivative(lambda *F: self.stress(F), F, ways), N))
-        return tuple(columns[k][i] for i in range(d) for k in range(d))
+        d = len(N)
+        ways = [[N[m % d] if m // d == k else 0.0 for m in range(d * d)] for k in range(d)]
+        columns = [apply(derivative(lambda *F: self.stress(F), F, way), N) for way in ways]
+        return tuple(column[i] for i in range(d) for column in columns)
 
     def energy(self, F):
         """None: heat 'elastic' is refused."""

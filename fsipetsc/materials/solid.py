@@ -92,11 +92,10 @@ class ElasticSolid:
         p_ref, not the stress (fsipetsc.blockrun.block_part): under it a solid is at rest exactly.
         """
         force, law = force_in(self.force, d, "ElasticSolid"), self.solid_law
-        coupled = self.heat == "coupled"
         if isinstance(self.law, str) and (symmetry or d == 3):
             law = law._replace(p_ref=0.0)
         own.check_solid_law(law, d + symmetry)
-        numbers = self.m0, self.alpha, self.kappa_e, coupled, force
+        numbers = self.m0, self.alpha, self.kappa_e, self.heat == "coupled", force
         at_faces = self.p_ref if symmetry else 0.0
         return Equations(law, self.pressure_law, *numbers, (0.0,) * symmetry, at_faces)
 

@@ -133,10 +133,8 @@ class SBPOperator:
 
     def norm_weights(self, n: int) -> Array:
         """The diagonal of H, (n,), without h; n: min_points or more."""
-        weights = np.ones(n)
-        weights[: self.rows] = self.norm
-        weights[n - self.rows :] = weights[: self.rows][::-1]
-        return weights
+        norm = np.array(self.norm, float)
+        return np.concatenate([norm, np.ones(n - 2 * self.rows), norm[::-1]])
 
 
 def fractions(text: str) -> tuple[Fraction, ...]:
@@ -221,13 +219,12 @@ def centred_band(order: int, cells: int, hoops: int) -> Band:
     at numbers below 0. Around an axis (one hoop) nodes beside it have the weights AXIS.
     """
     n, whole = cells + 1, band(order, 2 * cells + 1)
-    weight = whole.weight * ((2 * cells + 1) / cells)
     pairs = AXIS.get(order, {}) if hoops == 1 else {}
     farthest = max([whole.reach, *(l - i for i, l in pairs)])
     S = np.pad(whole.S, ((0, farthest - whole.reach), (0, 0)))
     for (i, l), w in pairs.items():
         S[l - i, [n + i, n - 1 - l]] = float(w)
-    return Band(np.roll(S, n, axis=1), np.roll(weight, n))
+    return Band(np.roll(S, n, axis=1), np.roll(whole.weight * ((2 * cells + 1) / cells), n))
 
 
 def _pairs(text: str) -> dict[tuple[int, int], Fraction]:

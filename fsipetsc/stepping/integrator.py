@@ -101,6 +101,11 @@ class Integrator:
             self.reached = {name: steps[name][-1].tolist() for name in self.initial}
         return steps
 
+    @property
+    def full(self) -> bool:
+        """Whether the journal has no room for another step."""
+        return self._recorded == len(self.state.journal)
+
     def run(self) -> None:
         """Integrate to the end, a signal, or a failure, which is raised."""
         begun, ts = time.perf_counter() - self.wall_time, self._create()
@@ -122,7 +127,7 @@ class Integrator:
         be saved; due: whether a checkpoint is wanted, after so many steps, by the clock of rank 0,
         after a signal, and at the end for those who want any.
         """
-        if self._recorded == len(self.state.journal):  # it has no room for another step
+        if self.full:
             self.take_series()
 
     def _create(self) -> PETSc.TS:

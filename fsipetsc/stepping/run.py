@@ -227,7 +227,7 @@ class Run(Integrator):
 
     def follow_up(self, longest: float, passed: bool, due: bool) -> None:
         self.say_progress(longest)
-        if self._recorded == len(self.state.journal):
+        if self.full:
             self.writer.flush(now=False)
         if passed:
             self.frame()

@@ -9,7 +9,6 @@ import subprocess
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from itertools import product
-from math import nan
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -115,7 +114,7 @@ def square(d: int, n: int, viscous: bool) -> BlockProblem:
 
 def measured(
     study: Study, case: Any, options: dict[str, Any], teams: Any, program: Sequence[object]
-) -> list[list[object]]:
+) -> Iterator[list[object]]:
     """The last columns for each number of ranks, on rank 0. Collective. InputError where ranks do
     not fit. teams: number -> communicator; program: as ``targets`` has it.
     """
@@ -140,16 +139,14 @@ def measured(
     def ratio(a: int, b: int) -> str:
         return f"{median(times[a] / times[b] for times in rounds):.3g}"
 
-    rows: list[list[object]] = []
     for n in teams if study.comm.rank == 0 else ():
         own, other = (median(times[k] for times in rounds) for k in (n, 0))
         of_node = 1e3 * own / (4 * points[n])  # four stages
         beside = (f"{other:.4g}", ratio(n, 0)) if program else ("", "")
         speed_up = ratio(1, n) if n > 1 and 1 in teams else ""
-        rows.append([n, f"{own:.4g}", f"{of_node:.3g}", *beside, speed_up])
+        yield [n, f"{own:.4g}", f"{of_node:.3g}", *beside, speed_up]
     for state in filter(None, states.values()):
         state.destroy()
-    return rows
 
 
 def step_time(state: Any, opt: Mapping[str, Any], count: int) -> float:
@@ -170,7 +167,7 @@ def time_of(program: Sequence[object], steps: int) -> float:
     """Time of a step [µs] by another program, whose word None is the number of steps; nan if there
     is none. InputError."""
     if not program:
-        return nan
+        return np.nan
     words = [str(steps if word is None else word) for word in program]
     try:
         said = subprocess.run(words, capture_output=True, text=True, check=True).stdout.split()

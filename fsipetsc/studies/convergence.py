@@ -88,10 +88,9 @@ def spacings(name: str, opt: Mapping[str, Any], exact: bool, dimension: int) -> 
     hs = sorted({*(opt["fsi_hs"] or [of * opt["fsi_h"] for of in factors])}, reverse=True)
     ratios = [coarse / fine for coarse, fine in pairwise(hs)]
     if not exact and (len(hs) < 3 or max(ratios) > 1.001 * min(ratios)):
-        raise InputError(
-            f"the case {name} has no exact solution: its grids are compared with each other; that "
-            "takes three or more, each finer by the same factor, as in -fsi_hs 0.1,0.05,0.025"
-        )
+        wrong = f"the case {name} has no exact solution: its grids are compared with each other"
+        wanted = "three or more, each finer by the same factor, as in -fsi_hs 0.1,0.05,0.025"
+        raise InputError(f"{wrong}; that takes {wanted}")
     return hs
 
 
@@ -105,10 +104,9 @@ def differences(runs: Sequence[Run], power: int) -> dict[str, list[float]]:
         first, pairs = layers[0], [common_nodes(layers[0], layer, []) for layer in layers]
         every = reduce(np.intersect1d, [here for here, _ in pairs])
         if not len(every):
-            raise InputError(
-                f"layer '{first.name}': no node of the coarsest grid is on all others; "
-                "-fsi_hs takes grids with common nodes, as in -fsi_hs 0.1,0.05,0.025"
-            )
+            wrong = f"layer '{first.name}': no node of the coarsest grid is on all others"
+            wanted = "-fsi_hs takes grids with common nodes, as in -fsi_hs 0.1,0.05,0.025"
+            raise InputError(f"{wrong}; {wanted}")
         nodes = [there[np.searchsorted(here, every)] for here, there in pairs]
         for name in first.fields:
             each = np.array([of.frame(-1)[name].ravel()[at] for of, at in zip(layers, nodes)])

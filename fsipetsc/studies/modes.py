@@ -180,8 +180,7 @@ def column_modes(
     basis = orth(projection, rcond=1e-9)
     values, vectors = np.linalg.eig(basis.T @ (projection @ rates) @ basis)
     shapes = [part.shape[1:] for part in parts]
-    ends = np.cumsum([rows * dofs for rows, dofs in shapes])[:-1]
-    amplitudes = np.split(basis @ vectors, ends)
+    amplitudes = np.split(basis @ vectors, np.cumsum([rows * dofs for rows, dofs in shapes])[:-1])
     return values, [of.reshape(*shape, -1) for of, shape in zip(amplitudes, shapes)]
 
 

@@ -24,11 +24,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.linalg import orth
 
-from fsipetsc import Fluid, FluidLayer, Problem, Solid, SolidLayer, Wall, clamped
+from fsipetsc import ComputationError, Fluid, FluidLayer, Problem, Solid, SolidLayer, Wall, clamped
 from fsipetsc.cases import case_of
 from fsipetsc.cases.common import constant, gas_of, line_at_rest, materials
 from fsipetsc.checks import Array
-from fsipetsc.errors import ComputationError
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import Option, defaults
 from fsipetsc.process.together import Comm
@@ -164,8 +163,7 @@ def derivatives_near(
         of_gas = np.array([[-1, 1, 0, 0], [0, 0, 1, 0], [0, -1, 0, 1 / gas.cv]]) / J
         of_gas = of_gas[:, -in_gas.shape[1] :]
         to = *np.linalg.inv(of_gas[:, -3:]).T, *np.linalg.pinv(of_solid).T
-        near = [in_gas[:n, -3:]] * 3 + [in_solid[N - n :]] * 3
-        each = zip(near, sizes, to)
+        each = zip([in_gas[:n, -3:]] * 3 + [in_solid[N - n :]] * 3, sizes, to)
         changes = ((at, NUDGE * size * change) for points, size, change in each for at in points)
         rates, kept = (of.toarray() / NUDGE for of in derivatives(run, changes))
     found = []

@@ -154,10 +154,9 @@ class Trial:
     ) -> Row:
         """Note the largest error, or the norm with this power, and what a ``Row`` expects of it."""
         size = np.abs(errors)
-        norm = float(np.mean(size**power) ** (1 / power) if power else size.max())
         row = self.rows.setdefault(quantity, Row(quantity, self.order, rate))
         row.spacings.append(self.h)
-        row.errors.append(norm)
+        row.errors.append(float(np.mean(size**power) ** (1 / power) if power else size.max()))
         row.most = most
         return row
 
@@ -249,5 +248,4 @@ class Study:
 
     def on_first(self, action: Callable[[], Any], ranks: int = 1) -> Any:
         """action() on the first ranks while the others sleep, and get None; FsiError on all."""
-        here = self.comm.rank < ranks
-        return together(self.comm, action if here else lambda: None, asleep=True)
+        return together(self.comm, action if self.comm.rank < ranks else lambda: None, asleep=True)

@@ -61,16 +61,15 @@ def vortex(trial: Trial) -> None:
         size = 0.3 * np.sin(2.0 * t)
         return [X + size * np.sin(np.pi * Y / 4 + 0.4), Y + size * np.sin(np.pi * X / 4)]
 
+    def place(i: int, j: int, xi: Any) -> list[Array]:
+        a, b = 4.0 * (xi[0] + i - 1.0), 4.0 * (xi[1] + j - 1.0)
+        p, q = np.pi * a / 2.0, np.pi * b / 2.0
+        bumps = np.sin(p) * np.sin(q + 0.5), np.sin(p + 0.3) * np.sin(q)
+        return [a + 0.15 * bumps[0], b + 0.15 * bumps[1]]
+
     side = Given(values=lambda X, Y, t: flow(*moved(X, Y, t), t), x=moved)
     for j, i in product((0, 1), (0, 1)):
-
-        def place(xi: Any, i: int = i, j: int = j) -> list[Array]:
-            a, b = 4.0 * (xi[0] + i - 1.0), 4.0 * (xi[1] + j - 1.0)
-            p, q = np.pi * a / 2.0, np.pi * b / 2.0
-            bumps = np.sin(p) * np.sin(q + 0.5), np.sin(p + 0.3) * np.sin(q)
-            return [a + 0.15 * bumps[0], b + 0.15 * bumps[1]]
-
-        blocks.append(Block(f"{i}{j}", gas, place, (n, n), flow))
+        blocks.append(Block(f"{i}{j}", gas, partial(place, i, j), (n, n), flow))
         faces |= {(f"{i}{j}", 0, i): side, (f"{i}{j}", 1, j): side}
     layers = trial.solve(BlockProblem(tuple(blocks), faces, units="none"), 1.0).layers
     table, order = reference("gas"), trial.closures if trial.order > 2 else 1.0
@@ -104,8 +103,7 @@ def shock_tubes(trial: Trial) -> None:
 
     def wavy(x: Array) -> list[Array]:
         still = 1.0 + 0.2 * np.sin(5.0 * x)
-        ahead = still, 0.0 * x, 1.0 / still
-        return [np.where(x < -4.0, value, v) for value, v in zip(state, ahead)]
+        return [np.where(x < -4.0, a, b) for a, b in zip(state, (still, 0.0 * x, 1.0 / still))]
 
     ours = tube(h, 0.2, sod, Wall(-0.5))
     for name in ("rho", "u", "p"):
@@ -130,11 +128,10 @@ def taylor_green(trial: Trial) -> None:
 
     space, n = rectangle((0.0, 0.0, 0.0), (period,) * 3), round(period / trial.h)
     gas = Fluid(0.0, 0.0, 1.4, 1.0)
-    cube = BlockProblem((Block("gas", gas, space, (n,) * 3, start, periodic=(True,) * 3),), {})
-    run = trial.solve(cube, 1.0, fsi_convection="entropy", fsi_dissipation=-1.0)
-    frame = run.layers[0].frame(-1)
+    box = BlockProblem((Block("gas", gas, space, (n,) * 3, start, periodic=(True,) * 3),), {})
+    last = trial.solve(box, 1.0, fsi_convection="entropy", fsi_dissipation=-1.0).layers[0].frame(-1)
     for name in "uvw":
-        ours = frame[name][n // 16, n // 8, :: n // 16]
+        ours = last[name][n // 16, n // 8, :: n // 16]
         trial.check(name, ours - table[name], trial.order, 0.02**2)
 
 
@@ -188,12 +185,11 @@ def riemann_problems(trial: Trial) -> None:
     """The mean velocity of the interface."""
     lines = zip((0.3, 0.1, 0.15, 0.03), *reference("riemann_problems").values(), strict=True)
     for end, strong, number, K, _, u, _ in lines:
-        given = {"shock_ratio": number, "shock_problem": "sod"}
-        if strong:
-            given = {"shock_mach": number, "shock_problem": "strong"}
+        name, problem = ("Mach", "strong") if strong else ("ratio", "sod")
+        given = {f"shock_{name.lower()}": number, "shock_problem": problem}
         run = trial.solve("shock", ts_max_time=end, solid_modulus=K, **given)
         speed = (run.series["x_interface"][-1, 0] - 1.0) / run.series["t"][-1]
-        trial.compare(f"{'Mach' if strong else 'ratio'} {number:g}, u", speed, u, rate=1.0)
+        trial.compare(f"{name} {number:g}, u", speed, u, rate=1.0)
 
 
 @entry({4: (20, 40, 80), **dict.fromkeys((2, 6, 8), (20, 40))})
@@ -316,8 +312,7 @@ def normal_modes(trial: Trial) -> None:
     ):
         below = Layer("lower", lower, (-1.0, 0.0), solid, cells=n)
         top = Layer("upper", upper, (0.0, 1.0), start, cells=n)
-        along = {"along": ((0.0, 1.0),), "cells": (n,)}
-        problem = layers(below, top, lower=Clamped(), upper=lid, **along)
+        problem = layers(below, top, lower=Clamped(), upper=lid, along=((0.0, 1.0),), cells=(n,))
         found = column_modes(problem, {"fsi_order": trial.order}, 0, 1)[0]
         known = complex(table[f"{name} real"][0], table[f"{name} imag"][0])
         trial.compare(name, found[np.abs(found - known).argmin()], known, trial.closures)
