@@ -151,6 +151,7 @@ class Layer(SimpleNamespace):
             out[:4], out[4] = self.owned, self.material.pressure(self.owned[2], x_X)
         return np.ascontiguousarray(out.T)
 
+    @np.errstate(all="ignore")
     def seen(self) -> tuple[Any, ...]:
         own = self.mine
         if self.is_gas:

@@ -83,6 +83,8 @@ class PaperState(State):
         of = comm.rank, opt["fsi_coupling"], notes
         self.interfaces = [Interface(pair, k, *of) for k, pair in enumerate(pairwise(self.layers))]
         self._rows, self._halos = exchanges_of(comm, self.layers, self.interfaces, self._memory)
+        given = [numbers for layer in self.layers for numbers in layer.given]
+        steps.data = *given, *(one.jump for one in self.interfaces)
         self._reduction = Reduction(comm, reduced)
         self._load_procedures(steps, announce)
 
@@ -111,7 +113,6 @@ class PaperState(State):
         loaded = libraries(self.comm, [one.text for one in codes], announce)
         for one, library in zip(codes, loaded, strict=True):
             one.load(library)
-        self._try_data()
         does["tell"] = [self._reduction] if self.comm.size > 1 else []
         completing = "forget", "complete", "note", "tell", "finish"
         self.phases = {

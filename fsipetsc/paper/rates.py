@@ -196,10 +196,14 @@ def stretch(layer):
 
 
 def forget(steps):
-    """Forget what is known of the step before."""
+    """Forget what is known of the step before. Data that are no numbers make this one bad."""
     steps.results[:STOP] = 0.0
     steps.bounds.reshape(-1)[:] = -np.inf
     steps.latest[:] = 0.0
+    for numbers in steps.data:
+        for i in each(numbers.size):
+            with when(~(abs(numbers[i]) < np.inf)):
+                steps.results[BAD] = 1.0
 
 
 def complete_gas(layer):

@@ -232,7 +232,8 @@ class GasDamping(Damping):
                 count = n - m if k == 0 else pick(place + m < part.patch.ghosted[k], n, 0)
                 for i in each(count, vector=True):
                     alpha[i] = np.maximum(alpha[i], self.alpha[k, first + m * stride + i])
-                    weight[i] = alpha[i] * S[m, i if k == 0 else place]
+                    known = np.where(alpha[i] > 0.0, alpha[i], 0.0)  # not of an unphysical state
+                    weight[i] = known * S[m, i if k == 0 else place]
                 with when(tally(0, count, lambda i: weight[i] != 0.0) > 0):
                     for to in each(m):
                         for i in each(count, vector=True):
@@ -261,7 +262,7 @@ class GasDamping(Damping):
         """
         gas, form, d, potential = part.laws, part.form, part.d, part.volume.potential
         l, r = (column(d + 5, self.state, n) for n in (i, j))
-        *a, g = column(d + 1, self.link[k], i)
+        *a, g = link = column(d + 1, self.link[k], i)
         rise = potential[j] - potential[i] if form.raises else 0.0
         speed = 0.5 * self.shock * np.maximum(gas.fastest(l, a, g), gas.fastest(r, a, g))
         both = l, r
@@ -270,7 +271,8 @@ class GasDamping(Damping):
         change = sub(gas.densities(both[1]), gas.densities(both[0]))
         F, _ = form.pair(gas, l, r, a, a, g, rise)
         F = *along(F[: d + 2], -speed, change), *F[d + 2 :]
-        return (*F, -0.5 * speed * change[0] * rise) if form.raises else F
+        F = (*F, -0.5 * speed * change[0] * rise) if form.raises else F
+        return choose(dot(link, link) > 0.0, F, (0.0,) * len(F))
 
     def collect_links(self, part, k, node, own, rates):
         """Add what flows through links to rates of an owned node, and the forces in both."""

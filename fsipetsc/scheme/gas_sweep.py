@@ -153,13 +153,17 @@ class GasSweep(Sweep):
                 kernels.far_pairs(n, **given)
 
     def find_keep(self, axis, k, place, n):
-        """Find 1 - alpha of n pairs of nodes, k apart along an axis, from a lower one on."""
+        """Find 1 - alpha of n pairs of nodes, k apart along an axis, from a lower one on; 1 where a
+        state is not physical.
+        """
         keep, alpha, stride = self.keep[axis], self.damping.alpha[axis], self.damping.strides[axis]
         with when(self.damping.shocks[axis] > 0.0):
             keep[:n] = 1.0
             for m in each(k + 1):
                 for i in each(n, vector=True):
                     keep[i] = np.minimum(keep[i], 1.0 - alpha[place + m * stride + i])
+            for i in each(n, vector=True):
+                keep[i] = np.where(keep[i] < 1.0, keep[i], 1.0)
 
     def given(self, x, y, z):
         per_row_weight = 1.0 / (self.weight[1][y] * self.weight[2][z])

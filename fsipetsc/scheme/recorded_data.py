@@ -66,14 +66,17 @@ def timed(sources: Sequence[Source]) -> tuple[list[Source], list[str]]:
 
 def asked(condition: Any, name: str, x: Any, t: Any, names: Sequence[str] = ()) -> Any:
     """A datum of a condition at places x, of d components, and a time, numbers or symbols: a
-    number, or one for each name. InputError.
+    number, or one for each name. Symbols of rho and T must be `positive`. InputError.
     """
     if not isinstance(t, Symbol):
         return datum(condition, name, np.transpose(x), t, names or None).T
     of = getattr(condition, name)
     if not callable(of):
         return of
-    return numbers_of(of(*x, t), len(names))
+    values, every = numbers_of(of(*x, t), len(names)), names or (name,)
+    pairs = zip(every, values if names else (values,), strict=True)
+    found = tuple(positive(v) if one in ("rho", "T") else v for one, v in pairs)
+    return found if names else found[0]
 
 
 def found_by(function: Any, at: Sequence[Any], names: Sequence[str], X: Any, what: str) -> Any:
