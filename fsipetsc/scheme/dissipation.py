@@ -150,9 +150,8 @@ class GasDamping(Damping):
         super().__init__(q, bands, cells, d + 2 + raises * (d + 1))
         N = self.nodes
         self.sigma, self.shock = sigma or None, shock or None
-        self.state, self.z = np.zeros((d + 5, N)), np.zeros((d + 2, N))
+        self.state, self.z, self.shocks = np.zeros((d + 5, N)), np.zeros((d + 2, N)), np.zeros(d)
         self.link, self.of_pairs = np.zeros((d, d + 1, N)), (np.zeros(N), np.zeros(N))
-        self.shocks = np.zeros(d)
 
     def begin(self, part, q):
         """Find states, perhaps entropy variables and alpha; q (N, d + 3): with a halo of q + 1."""

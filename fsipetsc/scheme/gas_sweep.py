@@ -129,9 +129,7 @@ class GasSweep(Sweep):
                 self.pairs(0, k, *ends, row_weight, self.part.S[0, k, begin:], count)
 
     def pairs(self, axis, k, lower, upper, row_weight, node_weight, n):
-        """Add the fluxes of n pairs of nodes, k apart along an axis, from a lower and an upper node
-        on.
-        """
+        """Add the fluxes of n pairs of nodes, k apart along an axis, from two nodes on."""
         metrics, d, kernels, tile = self.part.metrics, self.d, self.kernels, self.tile
         given = {"row_weight": row_weight, "node_weight": node_weight, "p": self.p, "N": self.N}
         given["low"] = self.low[0, lower[0] - self.x0 + self.margin :]
@@ -153,9 +151,7 @@ class GasSweep(Sweep):
                 kernels.far_pairs(n, **given)
 
     def find_keep(self, axis, k, place, n):
-        """Find 1 - alpha of n pairs of nodes, k apart along an axis, from a lower one on; 1 where a
-        state is not physical.
-        """
+        """Find 1 - alpha of n pairs of nodes, k apart along an axis; 1 of unphysical states."""
         keep, alpha, stride = self.keep[axis], self.damping.alpha[axis], self.damping.strides[axis]
         with when(self.damping.shocks[axis] > 0.0):
             keep[:n] = 1.0
