@@ -187,7 +187,7 @@ class State:
 
     def _record_data(self, groups: Sequence[Sequence[Source]], time: np.ndarray) -> list[Code]:
         """Codes that fill the data that depend on time, of each group; none if one cannot be
-        recorded. time: (1,), that of the data.
+        recorded. time: (1,), that of the data. _targets: what they fill, and what it is of.
         """
         tried = [timed(sources) for sources in groups]
         self._ask([why for _, refused in tried for why in refused])
@@ -196,15 +196,6 @@ class State:
         self._data = [c.procedure("set_data", set_data, f, time) for c, f in zip(codes, every)]
         self._targets = [(one.about, of) for found in every for one in found for of in one.targets]
         return codes
-
-    def _try_data(self) -> None:
-        """Let Python be asked if recorded data, once they are loaded, are not finite at t = 0, as
-        those of a wall that begins with an infinite acceleration.
-        """
-        if not self.asked:
-            self._fill(0.0)
-            bad = [about for about, of in self._targets if not np.isfinite(of).all()]
-            self._ask([f"{what}: it is not finite at t = 0" for what in bad])
 
     def _ask(self, why: list[str]) -> None:
         """Let Python be asked for data if a rank has a reason."""

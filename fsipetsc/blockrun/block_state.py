@@ -117,7 +117,10 @@ class BlockState(State):
         exchanges += [gas.gather for gas in self._gases]
         self.phases = phases(layout, [*parts], self.system, does, self._data)
         self._take_calls(calling.library, does["plan_next"], exchanges)
-        self._try_data()
+        if not self.asked:  # as data of a wall that begins with an infinite acceleration
+            self._fill(0.0)
+            bad = [about for about, of in self._targets if not np.isfinite(of).all()]
+            self._ask([f"{what}: it is not finite at t = 0" for what in bad])
         self.system.begin()
         for gas in self._gases:  # the metrics where nothing has moved
             for name in ("edge", "move", "find_volumes"):

@@ -70,8 +70,7 @@ class PaperState(State):
         reduced = self._lay_journal(np.dtype(record(NOTED, counts)), 2 * len(problem.layers))
         self.bounds = reduced[self.results.size :].reshape(-1, 2)
         steps = SimpleNamespace(plan=self.plan, results=self.results, bounds=self.bounds)
-        steps.time = np.zeros(1)
-        steps.latest, steps.gases = self.latest_numbers, len(gases)
+        steps.latest, steps.gases, steps.time = self.latest_numbers, len(gases), np.zeros(1)
         notes = steps.latest[steps.gases + 2 :].reshape(-1, counts["interface"])
         made = layers_of(comm, problem, opt, self.op, steps)
         self.layers, self._memory, steps.y, steps.total, steps.left = made

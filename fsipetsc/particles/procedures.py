@@ -63,8 +63,7 @@ def end_sums(record):
             record.mean_energy[p], record.e[p] = of_solid[2] / M_s, E_s / M_s
             record.v[p] = per(P_s, M_s)
             record.D[p] = D
-        held = one.wall | one.clamp
-        with when(one.mine & (held | one.given_gas | one.given_solid)):
+        with when(one.mine & (one.wall | one.clamp | one.given_gas | one.given_solid)):
             with when(V > 0.0):
                 gain.mass[one.column] += M - of_gas[1]
             constraints.accumulate(gain.impulse, add(sub(P, of_gas[2]), sub(P_s, of_solid[1])))
@@ -104,9 +103,8 @@ def begin_stored(record, y):
     """Solid members get the displacement of their particle, for which solids find energies."""
     for p, r, at in own_members(record):
         with when(record.kind[r] == SOLID):
-            D = row(record.d, record.D, p)
             for c in range(record.d):
-                y[at(c)] = D[c]
+                y[at(c)] = record.D[p, c]
 
 
 def own_members(record):

@@ -32,7 +32,7 @@ from fsipetsc.equations.vectors import add, along, mean, scale, sub
 from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel
 from fsipetsc.kernels.loops import each, when, zeros
 from fsipetsc.operators.slopes import slope
-from fsipetsc.scheme.sweep import KINDS, Sweep, in_order, order, store_rates
+from fsipetsc.scheme.sweep import Sweep, ends_of, in_order, order
 
 #: most nodes of a tile along the first axis, and most rows, for d = 1, 2, 3
 TILES = ((232, 1), (136, 1), (72, 8))
@@ -105,7 +105,7 @@ class GasSweep(Sweep):
                 self.across(2, x, n, y, z)
             with when(of_layer):
                 self.along(x, n, y, z)
-                self.store(self.kernels.rates, x, n, y, z)
+                self.close(x, n, y, z)
 
     def across(self, number, x, n, y, z):
         """Add the pairs of a row with rows farther on, of the same layer or of others."""
@@ -161,12 +161,13 @@ class GasSweep(Sweep):
             for i in each(n, vector=True):
                 keep[i] = np.where(keep[i] < 1.0, keep[i], 1.0)
 
-    def given(self, x, y, z):
+    def close(self, x, n, y, z):
         per_row_weight = 1.0 / (self.weight[1][y] * self.weight[2][z])
         given = {"per_row_weight": per_row_weight, "per_node_weight": self.per_weight[x:]}
         given["low"] = self.low[0, x - self.x0 + self.margin :]
         given["supplied"] = self.supplied[self.own_at(x, y, z) :]
-        return {**super().given(x, y, z), **given}
+        self.kernels.rates(n, **given, **self.given(x, y, z))
+        self.store(x, n, y, z)
 
 
 def gas_kernels(gas, d, form, viscous, moves, stencil, shocks=False):
@@ -181,7 +182,9 @@ def gas_kernels(gas, d, form, viscous, moves, stencil, shocks=False):
         load=_load(gas, d, viscous, sums + moves),
         near_pairs=_pair(gas, d, form, viscous, moves, shocks, True),
         far_pairs=_pair(gas, d, form, viscous, moves, shocks, False) if form.entropy else None,
-        rates=tuple((_rates(gas, d, sums, moves, at_pressure, kind),) for kind in KINDS),
+        rates=_rates(gas, d, sums, moves, at_pressure),
+        ends=ends_of(d + 3),
+        dof=d + 3,
         fluxes=tuple(_viscous(gas, d, of) for of in stencil.both if viscous),
         viscous=viscous,
         shocks=shocks,
@@ -249,10 +252,9 @@ def _pair(gas, d, form, viscous, moves, shocks, near):
     return kernel
 
 
-def _rates(gas, d, sums, moves, at_pressure, kind):
+def _rates(gas, d, sums, moves, at_pressure):
     """at_pressure: where w has p - tau_o, which acts around an axis."""
-    says = "J_t, the rates of J rho, J rho u, J E, the force, of a row."
-    kernel = Kernel(f"gas_rates_{kind}", says)
+    kernel = Kernel("gas_rates", "J_t, the rates of J rho, J rho u, J E, the force, of a row.")
     per_row_weight = kernel.number("per_row_weight")
     (per_node_weight,) = kernel.read("per_node_weight", ROWS, 1)
     total = add(*(kernel.read(name, ROWS, sums + moves) for name in ("low", "high")))
@@ -262,7 +264,7 @@ def _rates(gas, d, sums, moves, at_pressure, kind):
         (push,) = kernel.read("w", ROWS, 1, at_pressure)
         (source,) = kernel.read("source", PLANES, 1)
         momentum[-1] = momentum[-1] + push * source
-    store_rates(kernel, kind, (total[-1] if moves else 0.0, mass, *momentum, energy))
+    kernel.store("k", ROWS, (total[-1] if moves else 0.0, mass, *momentum, energy))
     if sums > d + 2:
         kernel.store("supplied", f"{{c}} + {{i}} * {d + 1}", (*total[d + 2 : sums], 0.0))
     return kernel

@@ -93,9 +93,7 @@ def stress_at(part, v, e, own, node):
 
 
 def point_at(part, q, own, node):
-    """Return what `note_points` asks for; p is minus the mean of the normal stresses in the plane,
-    and of hoops.
-    """
+    """Return what `note_points` asks for; p: minus the mean of normal and hoop stresses."""
     d, v = part.d, row(part.d, q, own, part.d)
     T, _, stress, hoops = stress_at(part, v, q[own, 2 * d], own, node)
     normal = [one - part.p_ref for one in stress[:: d + 1]] + [*hoops] * len(part.laws.around)

@@ -20,7 +20,7 @@ from fsipetsc.equations.vectors import add, along, dot, scale, total
 from fsipetsc.kernels.kernel import OWNED, PLANES, ROWS, Kernel
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.operators.slopes import Stencil, slope
-from fsipetsc.scheme.sweep import KINDS, Sweep, in_order, order, store_rates
+from fsipetsc.scheme.sweep import Sweep, ends_of, in_order, order
 
 #: most nodes of a tile along the first axis, and most rows, for d = 1, 2, 3
 TILES = ((1024, 1), (128, 1), (64, 32))
@@ -47,8 +47,7 @@ class SolidSweep(Sweep):
         prestress = {} if part.prestress is None else {"prestress": part.prestress}
         self.begin(part, found, y, q, f, inverses=part.inverses, **prestress)
         heats = [partial(self.run, kernels.conduct)] * len(kernels.conduct)
-        rates = partial(self.store, kernels.rates)
-        every = enumerate((self.load, partial(self.run, kernels.pulls), *heats, rates))
+        every = enumerate((self.load, partial(self.run, kernels.pulls), *heats, self.find_rates))
         self.take(self.steps, [(do, box, box) for box, do in every])
 
     def sweep_strains(self, part, y, q, F):
@@ -56,6 +55,10 @@ class SolidSweep(Sweep):
         own, kernels = 2 + len(self.kernels.conduct), self.kernels.strains
         self.begin(part, None, y, q, F, inverses=part.inverses)
         self.take(self.to_strains, ((self.load, 0, 0), (partial(self.run, kernels), own, own)))
+
+    def find_rates(self, x, n, y, z):
+        self.run(self.kernels.rates, x, n, y, z)
+        self.store(x, n, y, z)
 
 
 def solid_kernels(solid, d, order, prestressed):
@@ -69,8 +72,10 @@ def solid_kernels(solid, d, order, prestressed):
         load=_load(d),
         strains=tuple(_strain(solid, d, of) for of in both),
         pulls=tuple(_pull(solid, d, of, prestressed) for of in both),
-        rates=tuple(tuple(_accelerate(solid, d, of, kind) for of in both) for kind in KINDS),
+        rates=tuple(_accelerate(solid, d, of) for of in both),
         conduct=(_conduct(solid, d, both[0]),) * (solid.kappa > 0.0),
+        ends=ends_of(2 * d + 1),
+        dof=2 * d + 1,
         numbers=numbers_of(d) | {"strains": solid.strains(d)},
     )
 
@@ -143,9 +148,9 @@ def _conduct(solid, d, stencil):
     return kernel
 
 
-def _accelerate(solid, d, stencil, kind):
+def _accelerate(solid, d, stencil):
     says = "The rates v, Div P/m0 + b, Div (P^T v + h)/m0 + b . v."
-    kernel = Kernel(f"solid_rates_{kind}{stencil.suffix}", says)
+    kernel = Kernel("solid_rates" + stencil.suffix, says)
     conducts, solid = solid.kappa > 0.0, kernel.parameters(solid)
     (per_mass,) = kernel.read("inverses", PLANES, 1, 1)
     v, t = kernel.read("unknowns", ROWS, d, d), kernel.read("tractions", ROWS, d * d)
@@ -160,5 +165,5 @@ def _accelerate(solid, d, stencil, kind):
         (R,) = kernel.read("metrics", PLANES, 1, d * d + 1)
         acceleration = solid.with_hoop_force(acceleration, v, e, F, R)
     energy = per_mass * power + dot(solid.force, v)
-    store_rates(kernel, kind, (*v, *acceleration, energy))
+    kernel.store("k", ROWS, (*v, *acceleration, energy))
     return kernel

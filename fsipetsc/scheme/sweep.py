@@ -25,26 +25,30 @@ from types import SimpleNamespace
 import numpy as np
 
 from fsipetsc.equations.vectors import add, along, sub
-from fsipetsc.kernels.kernel import OWNED, floats_of
+from fsipetsc.kernels.kernel import OWNED, ROWS, Kernel, floats_of
 from fsipetsc.kernels.loops import each, either, pick, when, whole, zeros
 from fsipetsc.operators.sbp import Patch
 from fsipetsc.operators.slopes import axis_of, kinds, parts
 
-#: what a kernel of rates stores: the rates, the next stage, or the next solution
-RATES, STAGE, LAST = KINDS = range(3)
+#: what is stored: k, the next stage, the solution
+RATES, STAGE, LAST = range(3)
+SAYS = "The rates.", "The next stage, from rates.", "The next solution, from rates."
 
 
-def store_rates(kernel, kind, k):
-    """Let a kernel store what becomes of the rates k of a node."""
-    new, dof = k, len(k)
-    if kind == STAGE:
-        new = along(kernel.read("y", OWNED, dof), kernel.number("a"), k)
-    elif kind == LAST:
-        y = kernel.read("out", OWNED, dof)  # the solution, which becomes the next one
-        one, two, three = (sub(kernel.read(n, OWNED, dof), y) for n in ("y1", "y2", "y3"))
-        change = along(add(one, three), 2.0, two)
-        new = along(along(y, 1.0 / 3.0, change), kernel.number("a"), k)
-    kernel.store("out", OWNED, new)
+def ends_of(dof):
+    """The kernels, by kind, that store what becomes of the rates k of a row."""
+    kernels = tuple(Kernel(f"store_{kind}", says) for kind, says in enumerate(SAYS))
+    for kind, kernel in enumerate(kernels):
+        new = k = kernel.read("k", ROWS, dof)
+        if kind == STAGE:
+            new = along(kernel.read("y", OWNED, dof), kernel.number("a"), k)
+        elif kind == LAST:
+            y = kernel.read("out", OWNED, dof)  # the solution, which becomes the next one
+            one, two, three = (sub(kernel.read(n, OWNED, dof), y) for n in ("y1", "y2", "y3"))
+            change = along(add(one, three), 2.0, two)
+            new = along(along(y, 1.0 / 3.0, change), kernel.number("a"), k)
+        kernel.store("out", OWNED, new)
+    return kernels
 
 
 def order(S, ranges):
@@ -103,7 +107,7 @@ class Sweep(SimpleNamespace):
     (fsipetsc.operators.slopes); inside: three pairs, first node and first beyond of those inside of
     a block, None of axes that are not there. layers, depth: so many layers of so many rows are
     kept. tile: by name, (rows, numbers, ROW) what a row has of its nodes; margin: room in it before
-    and after those of the tile.
+    and after those of the tile. k: (dof, ROW) rates of the row at work.
     """
 
     def __init__(self, equations, d, kernels, bands, patch, most, reaches, kept):
@@ -131,6 +135,7 @@ class Sweep(SimpleNamespace):
         self.axes, count = in_order(axes, d)[:d], self.layers * self.depth
         rows_of = {name: zeros((count, n, self.width)) for name, n in kernels.numbers.items()}
         self.tile = SimpleNamespace(**rows_of)
+        self.k = zeros((kernels.dof, self.width))
         self.ranges = self.boxes[0, :, 2].tolist()
 
     def begin(self, part, found, y, q, f, **planes):
@@ -173,11 +178,8 @@ class Sweep(SimpleNamespace):
         found |= {name: planes[0, at:] for name, planes in self.planes.items()}
         for k, i in enumerate(in_order((x, y, z), self.d)[: self.d]):
             found |= self.axes[k].given(k, i)
-        if self.found:
-            named = zip(("y", "y1", "y2", "y3"), (self.found.y, *self.found.stages), strict=True)
-            found |= {name: world[self.part.begin + own :] for name, world in named}
-            found["a"] = self.found.stage[1]
-        return {**found, "out": self.f[0, own:], "N": self.N, "M": self.M, "p": self.p}
+        found |= {"k": self.k[0, x - self.x0 + self.margin :], "out": self.f[0, own:]}
+        return {**found, "N": self.N, "M": self.M, "p": self.p}
 
     def ghosted_at(self, x, y, z):
         """The number of a node in ghosted arrays."""
@@ -203,13 +205,13 @@ class Sweep(SimpleNamespace):
         for begin, count, kind in every:
             kernels[kind](count, **self.given(begin, y, z))
 
-    def store(self, kernels, x, n, y, z):
-        """Run kernels of rates on a row of owned nodes: those that store rates or, where nothing is
-        added, what follows; of each of ``KINDS`` as `run` has them.
-        """
-        now = whole(self.found.stage[0])
-        for begin, count, free in parts(x, x + n, y, z, self.part.free, now != RATES):
-            wanted = pick(free, now, RATES)
-            for kind in KINDS:
-                with when(wanted == kind):
-                    self.run(kernels[kind], begin, count, y, z)
+    def store(self, x, n, y, z):
+        """Store the rates k of a row of owned nodes, or what follows where nothing is added."""
+        found, kind = self.found, whole(self.found.stage[0])
+        worlds = {"y": found.y, **dict(zip(("y1", "y2", "y3"), found.stages, strict=True))}
+        for begin, count, free in parts(x, x + n, y, z, self.part.free, kind != RATES):
+            own, wanted = self.part.begin + self.own_at(begin, y, z), pick(free, kind, RATES)
+            given = {name: world[own:] for name, world in worlds.items()}
+            for number, kernel in enumerate(self.kernels.ends):
+                with when(wanted == number):
+                    kernel(count, a=found.stage[1], **given, **self.given(begin, y, z))
