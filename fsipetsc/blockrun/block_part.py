@@ -17,14 +17,14 @@ from fsipetsc.blocks.block_problem import BlockFace
 from fsipetsc.blocks.conditions import COLUMNS, VECTORS, Condition
 from fsipetsc.blocks.face_formulas import Effect
 from fsipetsc.blocks.metrics import Curls
-from fsipetsc.checks import POSITIVE, Array, names_of, place_text
+from fsipetsc.checks import Array, names_of, place_text
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.loops import Known, zeros
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.parallel.block_layout import Part
 from fsipetsc.scheme.face_terms import Faces, load_face, pass_face
 from fsipetsc.scheme.observables import SERIES
-from fsipetsc.scheme.recorded_data import Source, asked, forcing_of, found_by, positive
+from fsipetsc.scheme.recorded_data import Source, asked, forcing_of, found_by
 from fsipetsc.scheme.sweep import in_order
 
 
@@ -251,8 +251,6 @@ def _column(condition: Condition, names: Sequence[str], less: float, x: Any, t: 
     for name in names:
         several = "uvw"[: len(x)] if name in VECTORS else ""
         value = asked(condition, name, x, t, several)
-        if condition.ranges.get(name) == POSITIVE:
-            value = positive(value)
         found += [*value] if several else [value]
     return (tuple(found),) if len(found) > 1 else (found[0] - less,)
 

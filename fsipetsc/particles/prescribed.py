@@ -17,7 +17,7 @@ from fsipetsc.equations.vectors import sub
 from fsipetsc.errors import InputError, place_of
 from fsipetsc.kernels.symbols import Symbol, derivatives
 from fsipetsc.particles.members import Face, Particle
-from fsipetsc.scheme.recorded_data import Make, Source, asked, positive
+from fsipetsc.scheme.recorded_data import Make, Source, asked
 
 Instant = Callable[[], float]
 #: part of the larger one by which velocities that meet may differ; part of the velocity of a wall
@@ -97,7 +97,7 @@ class Prescribed:
         for name, T in (("warm_gas", out.T), ("warm_solid", out.T_solid)):
             for c, who, _ in grouped(name):
                 if not c.all_given:
-                    yield source(c, who, lambda x, t, c=c: (positive(asked(c, "T", x, t)),), T)
+                    yield source(c, who, lambda x, t, c=c: (asked(c, "T", x, t),), T)
         for c, who, law in grouped("given_gas"):
             yield source(c, who, partial(gas_of, c, laws[law]), out.gas)
         for c, who, _ in grouped("given_solid"):
@@ -197,7 +197,6 @@ def motion(condition: Any, instant: Instant, x: Any, t: Any) -> Sequence[Any]:
 def gas_of(condition: Any, law: Any, x: Any, t: Any) -> Sequence[Any]:
     """All unknowns of a gas with this law: (rho, rho u, E)."""
     rho, *u, T = asked(condition, "values", x, t, names_of("fluid", "values", len(x)))
-    rho, T = positive(rho), positive(T)
     energy = rho * (law.internal_energy(rho, T) + 0.5 * sum(c * c for c in u))
     return ((rho, *(rho * c for c in u), energy),)
 
@@ -206,10 +205,10 @@ def solid_of(condition: Any, x: Any, t: Any) -> Sequence[Any]:
     """All unknowns of a solid: displacement and velocity, temperature."""
     d = len(x)
     values = asked(condition, "values", x, t, names_of("solid", "values", d))
-    return sub(values[d + 1 :], x), values[:d], positive(values[d])
+    return sub(values[d + 1 :], x), values[:d], values[d]
 
 
-def _differences(of: Callable[[float], Array], t: float, s: float, most: int) -> list[Array]:
+def _differences(of: Callable[[float], Any], t: float, s: float, most: int) -> list[Array]:
     """A function of time and its first derivatives at t >= 0, one or two, of second order, the
     first of two of third. From values at t and at earlier times s apart, at first at later ones:
     never from times before or after the run, where it may not be known, nor from when the run
@@ -219,7 +218,7 @@ def _differences(of: Callable[[float], Array], t: float, s: float, most: int) ->
     before = int(min(count - 1.0, t / s))
     steps = np.arange(count) - before
     weights = np.rint(6.0 * np.linalg.inv(np.vander(steps, increasing=True))) / 6.0
-    values = [of(t if j == 0 else max(t + j * s, 0.0)) for j in steps.tolist()]
+    values = [np.array(of(t if j == 0 else max(t + j * s, 0.0))) for j in steps.tolist()]
     found = [values[before]]
     for k, row in enumerate(weights[1 : most + 1].tolist(), start=1):  # k = 1, 2: k! is k
         found.append(sum(k * w * v for w, v in zip(row, values, strict=True)) / s**k)

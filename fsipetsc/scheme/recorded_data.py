@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.checks import Array, block_values, checked, datum, names_of
+from fsipetsc.checks import POSITIVE, Array, block_values, checked, datum, names_of
 from fsipetsc.errors import InputError, place_in, reason
 from fsipetsc.kernels.loops import each
 from fsipetsc.kernels.symbols import Record, Symbol, needed, numbers_of
@@ -66,17 +66,22 @@ def timed(sources: Sequence[Source]) -> tuple[list[Source], list[str]]:
 
 def asked(condition: Any, name: str, x: Any, t: Any, names: Sequence[str] = ()) -> Any:
     """A datum of a condition at places x, of d components, and a time, numbers or symbols: a
-    number, or one for each name. Symbols of rho and T must be `positive`. InputError.
+    number, or one for each name; `positive` where its ranges say so. InputError.
     """
-    if not isinstance(t, Symbol):
-        return datum(condition, name, np.transpose(x), t, names or None).T
     of = getattr(condition, name)
-    if not callable(of):
-        return of
-    values, every = numbers_of(of(*x, t), len(names)), names or (name,)
-    pairs = zip(every, values if names else (values,), strict=True)
-    found = tuple(positive(v) if one in ("rho", "T") else v for one, v in pairs)
-    return found if names else found[0]
+    if not isinstance(t, Symbol):
+        found = datum(condition, name, np.transpose(x), t, names or None).T
+    else:
+        found = numbers_of(of(*x, t), len(names)) if callable(of) else of
+    if not names:
+        return positive(condition, name, found)
+    return tuple(positive(condition, *pair) for pair in zip(names, found, strict=True))
+
+
+def positive(condition: Any, name: str, value: Any) -> Any:
+    """A datum, or NaN where it must be above 0 and is not."""
+    above = condition.ranges.get(name) == POSITIVE
+    return np.where(value > 0.0, value, np.nan) if above else value
 
 
 def found_by(function: Any, at: Sequence[Any], names: Sequence[str], X: Any, what: str) -> Any:
@@ -94,11 +99,6 @@ def forcing_of(block: Any, x: Any, t: Any) -> Any:
         return block_values(block, "forcing", x, t)
     names = getattr(block, "unknowns", None) or names_of(block.kind, "forcing", len(x))
     return numbers_of(block.forcing(*x, t), len(names))
-
-
-def positive(value: Any) -> Any:
-    """Return a number that must be above 0, or NaN where it is not."""
-    return np.where(value > 0.0, value, np.nan)
 
 
 def set_data(timed, time):
