@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc.errors import FsiError
+from fsipetsc.errors import FsiError, InputError
 from fsipetsc.kernels.procedure import Calls, Code, Procedure
 from fsipetsc.process.together import agree, together
 from fsipetsc.scheme import plan
@@ -31,7 +31,7 @@ class State:
     method has arrays y, this rank's part of the solution, and `changing`, which steps change and
     stages do not follow from; shapes of the grids of layers; parts: layer -> what is here. It says
 
-        set_data(t)     data of the case are those at t [s]; what is wrong with them is the fault
+        refresh(t)      data of the case are those at t [s], as Python finds them; InputError
         load(n, y), unload(n, y)  copy a solution into stage n, or out of it
         vectors(n)      stage n, and where its rates go
         show(n)         let what is saved and seen be that of stage n
@@ -99,6 +99,17 @@ class State:
         """Let a rank whose data are wrong go on, so that others do not wait for its messages."""
         self.fault = self.fault or error
         self.results[plan.SAID_STOP] = FAULT
+
+    def set_data(self, t: float) -> None:
+        """Let data be those at time t [s]: C fills those that depend on it, unless Python is asked,
+        whose errors are faults.
+        """
+        if not self.asked:
+            return self._fill(t)
+        try:
+            self.refresh(t)
+        except InputError as error:
+            self._fail(error)
 
     def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
         """f = dy/dt of this rank's part y, which stays as it is, for the data set last."""

@@ -79,6 +79,7 @@ class Engine:
         opt = {"fsi_order": p.order, "fsi_convection": p.form, "fsi_shock": p.shock}
         opt["fsi_dissipation"] = p.dissipation / 0.3 or -1.0
         self.state = BlockState(MPI.COMM_SELF, self.problem, opt)
+        self.state.refresh(0.0)  # data that do not depend on time
         self.y, self.f = self.state.y, np.zeros_like(self.state.y)
 
     def _get(self, vector):

@@ -50,7 +50,7 @@ class BlockState(State):
     """
 
     MOST_PARTS = 16
-    _filled: tuple[float, float] | None = None  # the instant that the data are of
+    _filled: tuple[float, float] | None = None  # the instant that Python's data are of
 
     def __init__(
         self,
@@ -156,6 +156,7 @@ class BlockState(State):
                 part.initial(self.owned(k))
                 if part.block.exact is not None:
                     block_values(part.block, "exact", part.X[:, part.owned], 0.0)
+            self.refresh(0.0)  # says what is wrong, also with those that C fills next
             self.set_data(0.0)
             if t_end is not None:
                 self.system.prescribed.check_motion(t_end)
@@ -175,22 +176,11 @@ class BlockState(State):
             part.begin_as_held(self.owned(k), self.layout.owned(k, obeying))
         agree(self.comm, self.fault)
 
-    def set_data(self, t: float) -> None:
-        """Let data be those at time t [s]. InputError the first time; later ones are the fault:
-        the rank goes on with the data before, so that others do not wait for its messages.
-        """
-        first, instant = self._filled is None, (t, self._instant())
-        if first or (self.asked and instant != self._filled):
+    def refresh(self, t: float) -> None:
+        if self._filled != (instant := (t, self._instant())):
             self._filled = instant
-            try:
-                for one in (self.system.prescribed, *self.parts.values()):
-                    one.refresh(t)
-            except InputError as error:
-                if first:
-                    raise
-                self._fail(error)
-        if not self.asked:
-            self._fill(t)
+            for one in (self.system.prescribed, *self.parts.values()):
+                one.refresh(t)
 
     def load(self, n: int, y: np.ndarray) -> None:
         if n < STAGES:
@@ -220,7 +210,7 @@ class BlockState(State):
         self.show(0)
 
     def repeat(self, look: Callable[[], Any]) -> Any:
-        self._filled = np.inf, 0.0  # Python is asked anew
+        self._filled = None  # Python is asked anew
         return super().repeat(look)
 
     @property

@@ -24,7 +24,6 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.checks import NOWHERE, Array
-from fsipetsc.errors import InputError
 from fsipetsc.kernels.loops import zeros
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.kernels.symbols import Symbol
@@ -34,7 +33,7 @@ from fsipetsc.paper.coupling import Interface, couple, note
 from fsipetsc.paper.paper_layers import check_form, exchanges_of, layers_of
 from fsipetsc.parallel.exchange import EXCHANGES, Reduction
 from fsipetsc.problem import Problem, check_place
-from fsipetsc.process.together import agree, libraries, together
+from fsipetsc.process.together import libraries, together
 from fsipetsc.scheme.observables import SERIES, record
 from fsipetsc.scheme.plan import FRACTIONS, OFF_GRID, SOLUTION, STAGES, advance, plan_next
 from fsipetsc.scheme.recorded_data import Source, asked, forcing_of, found_by, set_time
@@ -58,8 +57,6 @@ class PaperState(State):
     number of ranks do not fit, or the problem is not of the paper's form. bounds: (layers, 2), the
     largest rates of convection and diffusion [1/s].
     """
-
-    _begun = False  # data are known
 
     def __init__(self, comm: MPI.Comm, problem: Problem, opt: Any, announce: Any) -> None:
         check_form(problem, opt)
@@ -210,20 +207,13 @@ class PaperState(State):
                 given = "forcing", partial(forcing_of, v.layer), v.X[None], None
                 yield Source(*given, *v.forcing[:, slice(*v.own)])
 
-    def set_data(self, t: float) -> None:
-        """Let boundary data, jumps and forcing be those at time t [s]; errors are the fault."""
-        if self._begun and not self.asked:
-            return self._fill(t)
-        self._begun = True
-        try:
-            for one in self._sources:
-                one.fill(t)
-            for v in self.parts.values():
-                if v.forcing is not None:
-                    values = v.layer.values("forcing", v.X[v.mine], t)
-                    v.forcing[:, slice(*v.own)][:, v.mine] = values
-        except InputError as error:
-            self._fail(error)
+    def refresh(self, t: float) -> None:
+        for one in self._sources:
+            one.fill(t)
+        for v in self.parts.values():
+            if v.forcing is not None:
+                values = v.layer.values("forcing", v.X[v.mine], t)
+                v.forcing[:, slice(*v.own)][:, v.mine] = values
 
     def set_initial(self, t_end: float | None = None) -> None:
         """Initial data of all layers, projected; all else at t = 0. InputError, on all ranks."""
@@ -245,8 +235,7 @@ class PaperState(State):
 
         together(self.comm, fill)
         self.show(0)
-        self.set_data(0.0)
-        agree(self.comm, self.fault)
+        together(self.comm, lambda: self.refresh(0.0))  # says what is wrong
         self.finish()
 
     # steps; all stages are in the same memory
