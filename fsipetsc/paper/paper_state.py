@@ -80,7 +80,8 @@ class PaperState(State):
         self.interfaces = [Interface(pair, k, *of) for k, pair in enumerate(pairwise(self.layers))]
         self._rows, self._halos = exchanges_of(comm, self.layers, self.interfaces, self._memory)
         given = [numbers for layer in self.layers for numbers in layer.given]
-        steps.data = *given, *(one.jump for one in self.interfaces)
+        given += [one.jump for one in self.interfaces]
+        steps.data = () if problem.steady_data else tuple(given)
         self._reduction = Reduction(comm, reduced)
         self._load_procedures(steps, announce)
 

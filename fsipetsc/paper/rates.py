@@ -192,7 +192,8 @@ def stretch(layer):
 
 
 # after a step. steps: one record for all layers of this rank. results: fsipetsc.scheme.plan;
-# bounds: (layers, 2) of 1/dt; latest: masses of so many gases, energy, momentum, then interfaces
+# bounds: (layers, 2) of 1/dt; latest: masses of so many gases, energy, momentum, then interfaces;
+# data: arrays of data of ends and interfaces, none where no data depend on time
 
 
 def forget(steps):

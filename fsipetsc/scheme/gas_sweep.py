@@ -84,6 +84,7 @@ class GasSweep(Sweep):
         """
         if self.damping:
             self.damping.begin(part, q.T)
+        if self.kernels.shocks:
             self.keep[:] = 1.0
         around = {"source": part.grid.source.reshape(1, part.X.shape[1])} if part.around else {}
         self.begin(part, found, y, q, f, **around)
