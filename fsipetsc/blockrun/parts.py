@@ -42,15 +42,12 @@ class GasPart(BlockPart):
         opt, order = about.opt, self.order
         material, self.around = self.block.material, self.problem.symmetry > 0
         self.viscous = bool(material.mu or material.kappa)
-        sigma = sigma_of(opt["fsi_dissipation"], self.problem.joined)
+        sigma, shock = sigma_of(opt["fsi_dissipation"], self.problem.joined), opt["fsi_shock"]
         self._check_law(opt["fsi_convection"], sigma)
         self.form = convection_of(opt["fsi_convection"], self.laws)
-        damps = sigma > 0.0 or opt["fsi_shock"] > 0.0
-        damping, shocks = None, opt["fsi_shock"] > 0.0
-        if damps:
-            of = part.bands, self.block.cells, sigma, opt["fsi_shock"], self.form.raises
-            damping = GasDamping(order // 2, *of)
-            self.terms = damping, *self.terms
+        damps = sigma > 0.0 or shock > 0.0
+        of = order // 2, part.bands, self.block.cells, sigma, shock, self.form.raises
+        damping = GasDamping(*of) if damps else None
         self.add_sources(add_force, of_gas.supply)
         self.added = damps or self.forced or self.forcing is not None
         self.reads_ghosted = self.reads_ghosted or damps
@@ -59,7 +56,8 @@ class GasPart(BlockPart):
         self.places = self.X.copy()
         self._follow()
         stencil = Stencil(order // 2, max(band.reach for band in self.bands))
-        made = self.kernels_of(gas_kernels, self.form, self.viscous, self.moves, stencil, shocks)
+        given = self.form, self.viscous, self.moves, stencil, shock > 0.0
+        made = self.kernels_of(gas_kernels, *given)
         self.volume = GasSweep(self.laws, self.d, made, self.bands, self.patch, damping)
         potential = self.volume.potential
         potential[:] = -dot(self.laws.force, self.X)[: potential.size]

@@ -170,7 +170,7 @@ class GasDamping(Damping):
             with when(self.shocks[k] > 0.0):
                 self.link_pairs(part, k)
 
-    def add(self, part, own, q, rates, gain):
+    def add(self, part, rates):
         """Add both terms to the rates (M, d + 3) of the owned nodes, after `begin`."""
         for k in range(part.d):
             if self.shock is not None:

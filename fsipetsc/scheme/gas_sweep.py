@@ -16,9 +16,10 @@ where e is the sum of the rates of all hoops, and is part of the divergence div 
 Energy has no source. p S is sum_k D_k (a^k p) of a uniform p, so rest is kept; what p S does to the
 entropy cancels what sum_k D_k a^k leaves of the fluxes; viscosity makes entropy at each node.
 
-The flux of a pair is computed once and added to both of its nodes. The sum of the lower node
-belongs to the row at work; that of the upper node waits in a row of its own. Fluxes reach a node in
-an order that does not depend on how a block is cut, nor does its rate. Kernels are at the end.
+The flux of a pair is computed once and added to both of its nodes. At shocks a pair keeps the part
+`keep`, 1 - alpha, of its flux (fsipetsc.scheme.dissipation). The sum of the lower node belongs to
+the row at work; that of the upper node waits in a row of its own. Fluxes reach a node in an order
+that does not depend on how a block is cut, nor does its rate. Kernels are at the end.
 """
 
 from functools import partial
@@ -80,7 +81,7 @@ class GasSweep(Sweep):
 
     def sweep(self, part, found, y, q, f):
         """Store the rates of the owned nodes, or what becomes of them (fsipetsc.scheme.sweep), in
-        f; y, q: planes of the owned nodes, and of all with a halo.
+        f, with dissipation; y, q: planes of the owned nodes, and of all with a halo.
         """
         if self.damping:
             self.damping.begin(part, q.T)
@@ -93,6 +94,8 @@ class GasSweep(Sweep):
         viscous = [(partial(self.run, self.kernels.fluxes), 1, 1)] * self.kernels.viscous
         rates = self.rates, stages_before, stages_before - 1
         self.take(self.steps, ((self.load, 0, 0), *viscous, rates))
+        if self.damping:
+            self.damping.add(part, f.T)
 
     def rates(self, x, n, y, z):
         """Add the fluxes of the pairs that begin in a row; store its rates if the tile has it."""

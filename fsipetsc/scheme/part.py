@@ -16,8 +16,8 @@ the ghosted array, in d dimensions it has what fsipetsc.parallel.block_layout.Pa
     `add`. forcing: by components of M nodes, or None: of mass, velocities and energy per mass of a
     gas; of velocity, temperature and place of a solid. loses: whether work is booked. per_h: (d,)
     cells of the block. points: (n, 2) number and owned row of nodes that are recorded, or None.
-    room: of fsipetsc.scheme.monitor.survey. columns: name -> where a series
-    begins in the record of a step.
+    room: of fsipetsc.scheme.monitor.survey. columns: name -> where a series begins in the record of
+    a step.
 
     Of a gas: form: of convection. around: whether it is around an axis. column: of its mass in what
     comes in. places: (d, N) where the monitor finds the nodes. ends: nodes at the ends of axes, one
