@@ -75,47 +75,52 @@ def stressed(part, q, out):
     d, solid, M = part.d, part.laws, part.masses.shape[0]
     q = q.reshape(part.dof, part.metrics.shape[1]).T
     for at, own in nodes_of(part):
-        T, J, stress, hoops = stress_at(part, row(d, q, at, d), q[at, 2 * d], own, at)
-        for c, number in enumerate((T, solid.pressure_at(J, T), *stress, *hoops)):
+        _, _, F, T = state_at(part, row(2 * d + 1, q, at), own, at)
+        p, (stress, hoops) = solid.pressure_at(solid.volume(F), T), stress_at(part, F, T, at)
+        for c, number in enumerate((T, p, *stress, *hoops)):
             out[c * M + own] = number
 
 
-def stress_at(part, v, e, own, node):
-    """T, J, the Cauchy stress P F^T/J of a node, by the last F, and that of hoops, if any."""
+def state_at(part, unknowns, own, node):
+    """Return place, velocity, the last F, and T of a node."""
     d, solid = part.d, part.laws
-    F = column(solid.strains(d), part.F, own)
-    T, J = temperature(part, v, e, F, node), solid.volume(F)
+    F, place = column(solid.strains(d), part.F, own), add(column(d, part.X, node), unknowns[:d])
+    v, e = unknowns[d : 2 * d], unknowns[2 * d]
+    stored = 0.0 if solid.coupled else prestress_energy(part, F, node)
+    return place, v, F, solid.temperature(v, e - stored, F)
+
+
+def stress_at(part, F, T, node):
+    """The Cauchy stress P F^T/J of a node, and that of hoops, if any."""
+    solid, size = part.laws, part.d * part.d
     P = solid.stress_at(F, T)
     if part.prestress is not None:
-        P = add(P, column(d * d, part.prestress, node))
+        P = add(P, column(size, part.prestress, node))
     hoops = (solid.hoop_stress(F, T),) if solid.around else ()
-    return T, J, per(product(P, transpose(F[: d * d])), J), hoops
+    return per(product(P, transpose(F[:size])), solid.volume(F)), hoops
 
 
 def point_at(part, q, own, node):
     """Return what `note_points` asks for; p: minus the mean of normal and hoop stresses."""
-    d, v = part.d, row(part.d, q, own, part.d)
-    T, _, stress, hoops = stress_at(part, v, q[own, 2 * d], own, node)
+    d = part.d
+    place, v, F, T = state_at(part, row(2 * d + 1, q, own), own, node)
+    stress, hoops = stress_at(part, F, T, node)
     normal = [one - part.p_ref for one in stress[:: d + 1]] + [*hoops] * len(part.laws.around)
-    place = add(column(d, part.X, node), row(d, q, own))
     return *place, *v, T, -sum(normal) / float(len(normal))
 
 
 def seen_at(part, q, own, node):
     """Return what `observe` asks for. Convection is inf where the state is not physical."""
     solid, d = part.laws, part.d
-    displacement, v, e = row(d, q, own), row(d, q, own, d), q[own, 2 * d]
-    F = column(solid.strains(d), part.F, own)
-    T, J = temperature(part, v, e, F, node), solid.volume(F)
-    modulus, squares = solid.wave_modulus_at(F, T), part.squares[own]
+    place, v, F, T = state_at(part, row(2 * d + 1, q, own), own, node)
+    J, modulus, squares = solid.volume(F), solid.wave_modulus_at(F, T), part.squares[own]
     speed = np.sqrt(np.maximum(modulus, 0.0) * squares)
     good = (J > 0.0) & (T > 0.0) & (modulus > -1e-300) & (speed < np.inf)
     diffusion = STIFFNESS_OF_WIDE * solid.kappa / solid.alpha * squares
     bad, fastest = np.where(good, 0.0, 1.0), np.where(good, speed, np.inf)
     least = -np.where(J < np.inf, J, np.inf)
-    place = add(column(d, part.X, node), displacement)
     energy = 0.5 * dot(v, v) + stored_energy(part, F, node) if part.loses else 0.0
-    densities = {"energy": e, "potential_energy": -dot(solid.force, place)}
+    densities = {"energy": q[own, 2 * d], "potential_energy": -dot(solid.force, place)}
     densities |= {"solid_energy": energy, "lost_energy": -energy}
     return (bad, fastest, diffusion, least, 0.0), place, v, densities
 
@@ -132,19 +137,12 @@ def prestress_energy(part, F, node):
     return dot(S, add_unit(-1.0, F[: len(S)])) / part.laws.m0
 
 
-def temperature(part, v, e, F, node):
-    stored = 0.0 if part.laws.coupled else prestress_energy(part, F, node)
-    return part.laws.temperature(v, e - stored, F)
-
-
 def note_ends(part, q, found):
     """Note place, velocity, sigma and T of nodes at interfaces, in one dimension."""
     solid, ends = part.laws, part.interfaces
     for m in each(ends.shape[0]):
         own, node = ends[m, 1], part.patch.ghosted_rows(ends[m, 1])
-        F, v = column(solid.strains(1), part.F, own), q[own, 1]
         S = 0.0 if part.prestress is None else part.prestress[0, node]
-        T = temperature(part, (v,), q[own, 2], F, node)
-        of_end = part.X[0, node] + q[own, 0], v, solid.line_stress(F) + S, T
-        for c, value in enumerate(of_end):
+        (x,), (v,), F, T = state_at(part, row(3, q, own), own, node)
+        for c, value in enumerate((x, v, solid.line_stress(F) + S, T)):
             found.at_ends[c][ends[m, 0]] = value
