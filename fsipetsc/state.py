@@ -55,6 +55,7 @@ class State:
 
         data        set the data of its time, which C knows
         fulfil      let it obey all conditions
+        begin       find what rates need of a solution that obeys them, as `complete` does
         rates       f = dy/dt
         advance     make the next stage
         complete    find bounds, integrals, records of the solution, which obeys all conditions
@@ -73,8 +74,9 @@ class State:
         for exchange in exchanges:
             exchange.load(library)
         self._made: dict[Any, Calls] = {}
-        names = "data", "fulfil", "advance"
-        calls = [one for n in range(STAGES) for name in names for one in self._calls(name, n)]
+        names, later = ("data", "fulfil", "advance"), range(1, STAGES)
+        calls = [one for n in later for name in names for one in self._calls(name, n)]
+        calls = [*self._calls("advance", 0), *calls]
         calls += [*self._calls("fulfil", SOLUTION), *self._calls("complete", SOLUTION)]
         self._whole_step = Calls(library, [*calls, (planning, ())])
 
@@ -145,26 +147,29 @@ class State:
             self.planning()
         else:
             self.set_data(float(self.batch[plan.TIME]))
+            self._do("begin", 0)
             self._whole_step(self.results[plan.BAD :], self.batch[plan.ALLOWED :])
             self.show(SOLUTION)
         self.evaluations += STAGES * max(1, int(self.batch[plan.MADE]))
 
     def step_in_parts(self, parts: int) -> None:
         """Make the step that is planned in so many equal parts; what is noted is one step."""
-        t, dt = self.batch[[plan.TIME, plan.DT]].tolist()
+        step = [plan.TIME, plan.DT, plan.NEXT]
+        t, dt, end = planned = self.batch[step].tolist()
         for part in range(parts):
-            self.batch[[plan.TIME, plan.DT]] = t + dt * part / parts, dt / parts
-            self._advance(ends=part == parts - 1)
-        self.batch[[plan.TIME, plan.DT]] = t, dt
+            begins, ends = (t + dt * k / parts for k in (part, part + 1))
+            self.batch[step] = begins, dt / parts, ends if part + 1 < parts else end
+            self._advance(ends=part + 1 == parts)
+        self.batch[step] = planned
         self.planning()
         self.evaluations += STAGES * parts
 
     def _advance(self, look: Any = None, ends: bool = True) -> Any:
         """Make a step, until look() finds something in a stage; ends: complete the solution."""
-        t, dt = self.batch[[plan.TIME, plan.DT]].tolist()
+        t, dt, end = self.batch[[plan.TIME, plan.DT, plan.NEXT]].tolist()
         for n, part in enumerate(FRACTIONS):
-            self.set_data(t + part * dt)
-            self._do("fulfil", n)
+            self.set_data(end if part == 1.0 else t + part * dt)
+            self._do("fulfil" if n > 0 else "begin", n)
             if n == SOLUTION and ends:
                 self.complete()
             if n > 0 and look is not None:

@@ -205,8 +205,7 @@ class BlockState(State):
         for gas in self._gases:
             for rows in vars(gas.volume.tile).values():
                 rows[:] = 0.0  # no NaN may stay there for another step
-        self.load(1, self.y)
-        self._do("fulfil", 1)
+        self._do("begin", 0)
         self.show(0)
 
     def repeat(self, look: Callable[[], Any]) -> Any:

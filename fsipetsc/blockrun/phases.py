@@ -3,8 +3,10 @@
     share      members add up what is extensive; faces of the gas's grids follow the solids
     fulfil     share, and then the unknowns obey the conditions
     grid       the grids of the gas follow their faces: just before rates, so that no rank waits
+    begin      share, halos and grid, from a solution that obeys the conditions
     rates      volume terms of each block, what passes open faces, forcing; then the constraints
                of the particles
+    complete   begin, and what is noted of the step: so the next one has begun
 
 A phase is a list of calls, which C makes: procedures of parts and of particles
 (fsipetsc.kernels.procedure), and exchanges between ranks (fsipetsc.parallel.exchange).
@@ -68,24 +70,27 @@ def phases(
     imposed = [does["impose_conditions"], *(follow if slips else [])]
     share = [does["weigh"], sums, does["end_sums"], *follow, *edge]
     # what takes long is done just before the rates: ranks need not wait for it
-    grid = swing if stored else [*move, *swing]
+    grid = [*move, *swing]
+    begin = [*share, *normals, *fill, *grid]
+    noted = does["begin_monitor"], *of_parts("monitor"), *reduce
     found = {
         "share": share,
         "fulfil": [*share, *normals, *stored, *imposed],
-        "grid": [*move, *swing],
-        "complete": [does["begin_monitor"], *fill, *grid, *of_parts("monitor"), *reduce,
-            does["note_extremes"], does["note_gained"]],
+        "grid": grid,
+        "begin": begin,
+        "complete": [*begin, *noted, does["note_extremes"], does["note_gained"]],
         "halos": [halos, *inside, *images],
         "inside": [one for one in inside if one not in read],
-    }  # fmt: skip
-    rates = [*fill, *grid, *of_parts("turn"), *of_parts("rates")]
+    }
+    rates = [*of_parts("turn"), *of_parts("rates")]
     # exchanged after the rates, so that no rank waits while another one moves its grid
     rates += [areas, does["end_turning"]] if slips else []
     rates += [OfRates(does["weigh"]), sums, does["end_rates"]]
-    found["rates"] = [does["begin_rates"], *rates]
+    before = [*fill, *(swing if stored else grid)]
+    found["rates"] = [does["begin_rates"], *before, *rates]
     for n in range(stages.STAGES):
-        found[f"advance_{n}"] = [does[f"begin_{n}"], *rates, OfRates(does[f"stage_{n}"])]
-        # a stage at the time of that before has its data
-        new = data and stages.FRACTIONS[n] != stages.FRACTIONS[n - 1]
-        found[f"data_{n}"] = [does[f"time_{n}"], *data] if new else []
+        known = before if n > 0 else []  # a step begins from what is completed
+        found[f"advance_{n}"] = [does[f"begin_{n}"], *known, *rates, OfRates(does[f"stage_{n}"])]
+        if data and n in stages.NEW_DATA:
+            found[f"data_{n}"] = [does[f"time_{n}"], *data]
     return found

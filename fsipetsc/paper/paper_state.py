@@ -35,7 +35,7 @@ from fsipetsc.parallel.exchange import EXCHANGES, Reduction
 from fsipetsc.problem import Problem, check_place
 from fsipetsc.process.together import libraries, together
 from fsipetsc.scheme.observables import SERIES, record
-from fsipetsc.scheme.plan import FRACTIONS, OFF_GRID, SOLUTION, STAGES, advance, plan_next
+from fsipetsc.scheme.plan import FRACTIONS, NEW_DATA, OFF_GRID, SOLUTION, STAGES, advance, plan_next
 from fsipetsc.scheme.recorded_data import Source, asked, forcing_of, found_by, set_time
 from fsipetsc.state import State
 
@@ -114,7 +114,7 @@ class PaperState(State):
         completing = "forget", "complete", "note", "tell", "finish"
         self.phases = {
             "fulfil": [self._rows, *does["couple"], *does["close"], self._halos],
-            "fulfil_0": [],  # the solution obeys the conditions
+            "begin": [],
             "complete": [one for name in completing for one in does[name]],
             "stretch": does["stretch"],
         }
@@ -122,7 +122,7 @@ class PaperState(State):
             # a stage fulfils the conditions but for the ghost point, the completed solution all
             found = [*does["fill" if n > 0 else "begin"], *does["rates"]]
             self.phases |= {f"rates_{n}": found, f"advance_{n}": [*found, does["stage"][n]]}
-            if self._data and FRACTIONS[n] != FRACTIONS[n - 1]:  # else it has those of before
+            if self._data and n in NEW_DATA:
                 self.phases[f"data_{n}"] = [does["time"][n], *self._data]
         self._take_calls(code.library, planning, (self._rows, self._halos, self._reduction))
 
