@@ -108,9 +108,10 @@ class Kernel:
         before = [symbol for symbol in record.items if symbol.uniform]
         within = [symbol for symbol in record.items if not symbol.uniform]
         counts = any(place == "counted +=" for place, _ in self._stores)
-        loop = Line(f'ITEMS("omp simd{" reduction(+ : counted)" * counts}",')
         before += [Line(f"const long {name} = {text};") for text, name in self._offsets.items()]
-        items = [*before, loop, *within, *stores, Line(")")]
+        before.append(Line(f"#pragma omp simd{' reduction(+ : counted)' * counts}"))
+        loop = Line("for (long i = 0; i < n; ++i) {{")
+        items = [*before, loop, *within, *stores, Line("}}")]
         given = ",\n    ".join(f"{kind}{name}" for name, kind in sorted(self._arguments.items()))
         head = f"/* {self.says} */", f"static NOINLINE long {self.name}(", f"    {given}) {{"
         lines = *head, "  long counted = 0;", *printed(items), "  return counted;", "}\n"

@@ -281,11 +281,3 @@ void run_calls(const struct call *calls, long count, const double *bad, const do
     for (const struct call *c = calls; c < calls + count; ++c) c->procedure(c->of, c->y, c->f);
   while (*bad == 0.0 && *allowed != 0.0);
 }
-/* A kernel's loop over items i. With vectors of eight numbers, those left over are one more vector
-   whose other lanes are neither read nor stored: gcc would take them one by one. */
-#ifdef __AVX512F__
-#define ITEMS(simd, ...) \
-  _Pragma(simd) for (long i = 0; i < ((n + 7) & -8L); ++i) { if (i < n) { __VA_ARGS__ } }
-#else
-#define ITEMS(simd, ...) _Pragma(simd) for (long i = 0; i < n; ++i) { __VA_ARGS__ }
-#endif
