@@ -11,7 +11,7 @@ from fsipetsc.blocks.maps import nodes, rectangle
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.particles.members import particles_of
 from fsipetsc.particles.prescribed import Prescribed
-from fsipetsc.scheme.plan import DT, TIME
+from fsipetsc.scheme.plan import DT, NEXT, TIME
 
 #: cells along an axis
 N = 7
@@ -34,7 +34,7 @@ class Steps(BlockState):
 
     def step(self, dt, steps=1):
         for _ in range(steps):
-            self.batch[[TIME, DT]] = self.t, dt
+            self.batch[[TIME, DT, NEXT]] = self.t, dt, self.t + dt
             super().step()
             self.t += dt
             self.came += self.latest_numbers[-self.came.size :]
