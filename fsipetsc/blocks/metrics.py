@@ -36,7 +36,7 @@ ALL = 3
 @cache
 def grid_kernel(d: int, stencil: Stencil, of: str, i: int = 0) -> Kernel:
     """The kernel that makes planes of what ``of`` names, of axis i, from places x, periods P."""
-    kernel = Kernel(f"{of}_{i}{stencil.suffix}", f"{of.capitalize()} of nodes of a row.")
+    kernel = stencil.kernel(f"{of}_{i}", f"{of.capitalize()} of nodes of a row.")
     j, k = (i + 1) % 3, (i + 2) % 3
 
     def D(axis: int, count: int = d, first: int = 0) -> Any:

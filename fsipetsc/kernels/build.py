@@ -31,9 +31,10 @@ FLAGS = (
     "-std=gnu11 -O3 -march=native -ffp-contract=off -fno-math-errno -fno-trapping-math "
     "-fopenmp-simd -fPIC -shared -Werror=implicit-function-declaration"
 ).split()
-#: of gcc, which else moves selections of elementary functions so that loops are no vector code, and
-#: calls memcpy and memset for a few numbers
-OF_GCC = ["-fno-tree-pre", "-fno-tree-loop-distribution", "-fno-tree-loop-distribute-patterns"]
+#: of gcc, which else moves selections of elementary functions so that loops are no vector code, or
+#: takes parts of a vector one by one, and calls memcpy and memset for a few numbers
+OF_GCC = ["-fno-tree-pre", "-fno-split-loops"]
+OF_GCC += ["-fno-tree-loop-distribution", "-fno-tree-loop-distribute-patterns"]
 #: with vectors of 512 bits, of which compilers use half if nobody asks. gcc 12 tunes for other
 #: processors and reads numbers twice rather than keeping them in one of the 32 registers
 WIDE = ["-mprefer-vector-width=512", "-mtune=skylake-avx512"]

@@ -36,10 +36,12 @@ SHARED = "{c}"
 
 
 class Kernel:
-    """See the head of this file. name: of the function in C; says: a sentence on what it does."""
+    """See the head of this file. name: of the function in C; says: a sentence on what it does; few:
+    it often has a few items.
+    """
 
-    def __init__(self, name: str, says: str) -> None:
-        self.name, self.says, self.record = name, says, Record()
+    def __init__(self, name: str, says: str, few: bool = False) -> None:
+        self.name, self.says, self.few, self.record = name, says, few, Record()
         self._arguments = {"n": "long "}
         self._stores: list[tuple[str, Symbol]] = []
         self._offsets = dict[str, str]()
@@ -109,9 +111,9 @@ class Kernel:
         within = [symbol for symbol in record.items if not symbol.uniform]
         counts = any(place == "counted +=" for place, _ in self._stores)
         before += [Line(f"const long {name} = {text};") for text, name in self._offsets.items()]
-        before.append(Line(f"#pragma omp simd{' reduction(+ : counted)' * counts}"))
-        loop = Line("for (long i = 0; i < n; ++i) {{")
-        items = [*before, loop, *within, *stores, Line("}}")]
+        simd = f"omp simd{' reduction(+ : counted)' * counts}"
+        loop = Line(f"{'FEW_' * (self.few or counts)}ITEMS({simd},")
+        items = [*before, loop, *within, *stores, Line(")")]
         given = ",\n    ".join(f"{kind}{name}" for name, kind in sorted(self._arguments.items()))
         head = f"/* {self.says} */", f"static NOINLINE long {self.name}(", f"    {given}) {{"
         lines = *head, "  long counted = 0;", *printed(items), "  return counted;", "}\n"

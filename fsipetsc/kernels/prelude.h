@@ -281,3 +281,17 @@ void run_calls(const struct call *calls, long count, const double *bad, const do
     for (const struct call *c = calls; c < calls + count; ++c) c->procedure(c->of, c->y, c->f);
   while (*bad == 0.0 && *allowed != 0.0);
 }
+/* A kernel's loop over items i. gcc takes those left over from vectors in half a vector, and then one
+   by one. Of a few items they are many, and one more vector, in part, is faster. */
+#define PRAGMA(text) _Pragma(#text)
+#define ITEMS(simd, ...) PRAGMA(simd) for (long i = 0; i < n; ++i) { __VA_ARGS__ }
+#ifdef __AVX512F__
+#define FEW_ITEMS(simd, ...) \
+  const long whole = n & -8L; \
+  PRAGMA(simd) for (long i = 0; i < whole; ++i) { __VA_ARGS__ } \
+  if (whole < n) { \
+    PRAGMA(simd) for (long i = whole; i < whole + 8; ++i) { if (i < n) { __VA_ARGS__ } } \
+  }
+#else
+#define FEW_ITEMS ITEMS
+#endif

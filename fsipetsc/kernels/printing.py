@@ -61,9 +61,9 @@ def printed(items: Sequence[Symbol | Line]) -> list[str]:
             form = item.text or _FORMS.get(operation) or f"{operation}_({', '.join(given)})"
             names[item.number] = name = f"t{item.number}"
             text = f"{_TYPES[item.kind]} {name} = {form.format(*given)};"
-        inside -= text.startswith("}")
+        inside -= text.startswith(("}", ")"))
         lines.append("  " * inside + text)
-        inside += text.endswith("{")
+        inside += text.endswith(("{", ","))
     return lines
 
 

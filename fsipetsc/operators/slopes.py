@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.equations.vectors import add, along, choose, scale, sub
-from fsipetsc.kernels.kernel import SHARED
+from fsipetsc.kernels.kernel import SHARED, Kernel
 from fsipetsc.kernels.loops import each, otherwise, pick, when
 from fsipetsc.operators.sbp import OPERATORS, Array, Band
 
@@ -32,10 +32,9 @@ class Stencil(NamedTuple):
     pairs: int
     reach: int
 
-    @property
-    def suffix(self) -> str:
-        """What distinguishes the name of a kernel of nodes inside."""
-        return "_inside" if self.pairs else ""
+    def kernel(self, name: str, says: str) -> Kernel:
+        """A kernel of any nodes, in the end those near ends, which are few; or of nodes inside."""
+        return Kernel(name + "_inside" * (self.pairs > 0), says, few=not self.pairs)
 
     @property
     def both(self) -> tuple["Stencil", "Stencil"]:

@@ -276,7 +276,7 @@ def _rates(gas, d, sums, moves, at_pressure):
 
 def _viscous(gas, d, stencil):
     says = "The viscous fluxes a^k . f_v of all axes k of a row's nodes."
-    kernel = Kernel("gas_viscous" + stencil.suffix, says)
+    kernel = stencil.kernel("gas_viscous", says)
     gas, w = kernel.parameters(gas), kernel.read("w", ROWS, d + 5)
     at_J, at_pressure = columns_beside(d)
     (J,) = kernel.read("w", ROWS, 1, at_J)

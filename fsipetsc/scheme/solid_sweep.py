@@ -99,7 +99,7 @@ def _load(d):
 
 def _strain(solid, d, stencil):
     says = "F = 1 + 1/J0 sum_k D_k D A^k, with the stretch of hoops."
-    kernel = Kernel("solid_strain" + stencil.suffix, says)
+    kernel = stencil.kernel("solid_strain", says)
     solid = kernel.parameters(solid)
     kernel.store("out", OWNED, _found_strain(kernel, solid, d, stencil))
     return kernel
@@ -117,7 +117,7 @@ def _found_strain(kernel, solid, d, stencil):
 def _pull(solid, d, stencil, prestressed):
     """Add a prestress S to P, and take its energy S : (F - 1)/m0 from that of which T is made."""
     says = "F, T, and the tractions t^k = (P + S) A^k with a prestress S."
-    kernel, conducts = Kernel("solid_pull" + stencil.suffix, says), solid.kappa > 0.0
+    kernel, conducts = stencil.kernel("solid_pull", says), solid.kappa > 0.0
     solid, A = kernel.parameters(solid), kernel.read("metrics", PLANES, d * d)
     F, v = _found_strain(kernel, solid, d, stencil), kernel.read("unknowns", ROWS, d, d)
     if conducts or solid.around:
@@ -150,7 +150,7 @@ def _conduct(solid, d, stencil):
 
 def _accelerate(solid, d, stencil):
     says = "The rates v, Div P/m0 + b, Div (P^T v + h)/m0 + b . v."
-    kernel = Kernel("solid_rates" + stencil.suffix, says)
+    kernel = stencil.kernel("solid_rates", says)
     conducts, solid = solid.kappa > 0.0, kernel.parameters(solid)
     (per_mass,) = kernel.read("inverses", PLANES, 1, 1)
     v, t = kernel.read("unknowns", ROWS, d, d), kernel.read("tractions", ROWS, d * d)
