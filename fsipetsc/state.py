@@ -55,14 +55,15 @@ class State:
 
         data        set the data of its time, which C knows
         fulfil      let it obey all conditions
-        begin       find what rates need of a solution that obeys them, as `complete` does
+        begin       find what rates need of a solution that obeys them
         rates       f = dy/dt
         advance     make the next stage
-        complete    find bounds, integrals, records of the solution, which obeys all conditions
+        complete    the same, and find bounds, integrals, records of the solution
     """
 
     fault: FsiError | None = None
     asked = False
+    _begun = False  # the phase begin, for the solution and the data of its time
     evaluations = 0
     phases: dict[str, list[Any]]
     #: a step that leaves an unphysical state is made anew in up to so many parts
@@ -116,12 +117,14 @@ class State:
     def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
         """f = dy/dt of this rank's part y, which stays as it is, for the data set last."""
         self.evaluations += 1
+        self._begun = False
         self.load(1, y)
         self._do("fulfil", 1)
         self._do("rates", 1, f)
 
     def project(self, y: np.ndarray) -> None:
         """Let this rank's part y obey all conditions, in place."""
+        self._begun = False
         self.load(1, y)
         self._do("fulfil", 1)
         self.unload(1, y)
@@ -135,6 +138,7 @@ class State:
 
     def complete(self) -> None:
         self._do("complete", SOLUTION)
+        self._begun = True
 
     def keep(self) -> None:
         self._kept = [array.copy() for array in self.changing]
@@ -147,20 +151,22 @@ class State:
             self.planning()
         else:
             self.set_data(float(self.batch[plan.TIME]))
-            self._do("begin", 0)
+            if not self._begun:
+                self._do("begin", 0)
             self._whole_step(self.results[plan.BAD :], self.batch[plan.ALLOWED :])
             self.show(SOLUTION)
         self.evaluations += STAGES * max(1, int(self.batch[plan.MADE]))
 
     def step_in_parts(self, parts: int) -> None:
         """Make the step that is planned in so many equal parts; what is noted is one step."""
-        step = [plan.TIME, plan.DT, plan.NEXT]
-        t, dt, end = planned = self.batch[step].tolist()
+        times = [plan.TIME, plan.DT, plan.NEXT]
+        t, dt, after = planned = self.batch[times].tolist()
         for part in range(parts):
-            begins, ends = (t + dt * k / parts for k in (part, part + 1))
-            self.batch[step] = begins, dt / parts, ends if part + 1 < parts else end
-            self._advance(ends=part + 1 == parts)
-        self.batch[step] = planned
+            last = part + 1 == parts
+            end = after if last else t + dt * (part + 1) / parts
+            self.batch[times] = t + dt * part / parts, dt / parts, end
+            self._advance(ends=last)
+        self.batch[times] = planned
         self.planning()
         self.evaluations += STAGES * parts
 
@@ -184,6 +190,7 @@ class State:
         """Be where the last batch of steps began."""
         for array, kept in zip(self.changing, self._kept):
             array[:] = kept
+        self._begun = False
         self.begin()
 
     def repeat(self, look: Callable[[], Any]) -> Any:

@@ -24,7 +24,7 @@ from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.parallel.exchange import EXCHANGES, Reduction
 from fsipetsc.particles.members import particles_of
 from fsipetsc.particles.system import ParticleSystem
-from fsipetsc.process.together import agree, libraries, together
+from fsipetsc.process.together import libraries, together
 from fsipetsc.scheme.monitor import MONITORED
 from fsipetsc.scheme.observables import PLACES, VELOCITIES
 from fsipetsc.scheme.plan import RATE, SOLUTION, STAGES
@@ -174,7 +174,6 @@ class BlockState(State):
         obeying, self.y[:] = self.y.copy(), first
         for k, part in self.parts.items():
             part.begin_as_held(self.owned(k), self.layout.owned(k, obeying))
-        agree(self.comm, self.fault)
 
     def refresh(self, t: float) -> None:
         if self._filled != (instant := (t, self._instant())):

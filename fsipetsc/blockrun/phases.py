@@ -2,8 +2,8 @@
 
     share      members add up what is extensive; faces of the gas's grids follow the solids
     fulfil     share, and then the unknowns obey the conditions
-    grid       the grids of the gas follow their faces: just before rates, so that no rank waits
-    begin      share, halos and grid, from a solution that obeys the conditions
+    grid       the grids of the gas follow their faces
+    begin      share, area vectors, halos and grid, of a solution that obeys the conditions
     rates      volume terms of each block, what passes open faces, forcing; then the constraints
                of the particles
     complete   begin, and what is noted of the step: so the next one has begun
@@ -36,6 +36,7 @@ def procedures_of_steps(code: Code, found: Any) -> dict[str, Any]:
         kind = LAST if n == stages.STAGES - 1 else STAGE
         wanted[f"begin_{n}"] = partial(stages.begin_stage, kind, n), found
         wanted[f"stage_{n}"] = partial(stages.advance, n), found
+    for n in stages.NEW_DATA:
         wanted[f"time_{n}"] = partial(set_time, stages.FRACTIONS[n]), found
     return {name: code.procedure(name, *one) for name, one in wanted.items()}
 
@@ -69,7 +70,7 @@ def phases(
     # where walls slip, conditions change velocities, which grids follow
     imposed = [does["impose_conditions"], *(follow if slips else [])]
     share = [does["weigh"], sums, does["end_sums"], *follow, *edge]
-    # what takes long is done just before the rates: ranks need not wait for it
+    # what takes long is done after ranks have waited for halos, not before
     grid = [*move, *swing]
     begin = [*share, *normals, *fill, *grid]
     noted = does["begin_monitor"], *of_parts("monitor"), *reduce
@@ -91,6 +92,6 @@ def phases(
     for n in range(stages.STAGES):
         known = before if n > 0 else []  # a step begins from what is completed
         found[f"advance_{n}"] = [does[f"begin_{n}"], *known, *rates, OfRates(does[f"stage_{n}"])]
-        if data and n in stages.NEW_DATA:
-            found[f"data_{n}"] = [does[f"time_{n}"], *data]
+    for n in stages.NEW_DATA:
+        found[f"data_{n}"] = [does[f"time_{n}"], *data] if data else []
     return found

@@ -102,6 +102,7 @@ class PaperState(State):
             add(f.__name__, 0, f, steps)
         for n in range(STAGES):
             add("stage", n, partial(advance, n), steps)
+        for n in NEW_DATA:
             add("time", n, partial(set_time, FRACTIONS[n]), steps)
         planning = code.procedure("plan_next", plan_next, self.plan)
         self._sources = [*self._of_problem()]
@@ -122,8 +123,8 @@ class PaperState(State):
             # a stage fulfils the conditions but for the ghost point, the completed solution all
             found = [*does["fill" if n > 0 else "begin"], *does["rates"]]
             self.phases |= {f"rates_{n}": found, f"advance_{n}": [*found, does["stage"][n]]}
-            if self._data and n in NEW_DATA:
-                self.phases[f"data_{n}"] = [does["time"][n], *self._data]
+        for n, of_time in zip(NEW_DATA, does["time"]):
+            self.phases[f"data_{n}"] = [of_time, *self._data] if self._data else []
         self._take_calls(code.library, planning, (self._rows, self._halos, self._reduction))
 
     def vectors(self, n: int) -> tuple[Array, Array]:
@@ -237,6 +238,7 @@ class PaperState(State):
         together(self.comm, fill)
         self.show(0)
         together(self.comm, lambda: self.refresh(0.0))  # says what is wrong
+        self.set_data(0.0)
         self.finish()
 
     # steps; all stages are in the same memory

@@ -32,8 +32,10 @@ TIME, DT, NEXT, TARGET, COURANT, FIXED, ALLOWED, MADE, LONGEST, FIRST, BATCH = r
 SLACK = 1e-9
 #: stages of a step; the number of the solution that comes of them
 STAGES = SOLUTION = 4
-#: times of the stages, and of what comes of them, in steps; stages whose data are not those before
-FRACTIONS, NEW_DATA = (0.0, 0.5, 0.5, 1.0, 1.0), (1, 3)
+#: times of the stages, and of what comes of them, in steps
+FRACTIONS = 0.0, 0.5, 0.5, 1.0, 1.0
+#: stages at another time than what is before them, with other data
+NEW_DATA = 1, 3
 
 
 def begin_stage(kind, number, found):

@@ -61,7 +61,6 @@ class Integrator:
         self._watched = PETSc.Options().hasName("ts_monitor")
         self.initial, self.reached = dict[str, Any](), dict[str, Any]()
         if past is None:
-            state.set_data(self.t)  # with differences in time of the length that a step has
             state.finish()
             check(state, opt, self.t, self.steps)
             kept = [name for name in state.latest.dtype.names if SERIES[name].kind == INTEGRAL]
