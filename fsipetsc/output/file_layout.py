@@ -34,7 +34,7 @@ import io
 import json
 import os
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from html import escape  # that of xml.sax loads all for the network
 from itertools import count, takewhile
 from pathlib import Path
@@ -120,20 +120,11 @@ def opened(path: Path, kind: Mapping[str, Any]) -> Iterator[tuple[h5py.File, dic
         yield file, about
 
 
-class _Memory(io.BytesIO):
-    """A file in memory, which h5py can make longer by truncate."""
-
-    def truncate(self, size: int | None = None) -> int:
-        length = self.tell() if size is None else size
-        self.write(bytes(max(0, length - self.seek(0, os.SEEK_END))))
-        return super().truncate(length)
-
-
 def image(content: Mapping[str, Any], most: int = 0) -> bytes:
     """Return an HDF5 file with these datasets. A tuple is the shape of one that is still to be
     filled, in chunks of at most so many numbers; 0: not in chunks.
     """
-    memory = _Memory()
+    memory = io.BytesIO()
     with h5py.File(memory, "w", libver=LIBVER) as file:
         if names := [name[7:] for name in content if name.startswith("series/")]:
             file.create_group("series", track_order=True).attrs[NAMES] = np.array(names, "S")
@@ -159,10 +150,8 @@ def put(path: Path, content: bytes) -> None:
     try:
         draft.write_bytes(content)
         publish(draft, path)
-    except OSError:
-        with suppress(OSError):
-            draft.unlink()
-        raise
+    finally:
+        draft.unlink(missing_ok=True)
 
 
 def beside(path: str | os.PathLike[str], ending: str) -> Path:
@@ -170,9 +159,9 @@ def beside(path: str | os.PathLike[str], ending: str) -> Path:
     return Path(f"{Path(path)}".removesuffix(".h5") + ending)
 
 
-def piece(folder: Path, number: int, ending: str = ".h5") -> Path:
+def piece(folder: Path, number: int) -> Path:
     """Return the path of a piece, which are numbered from 1 on."""
-    return folder / f"{number:06d}{ending}"
+    return folder / f"{number:06d}.h5"
 
 
 def pieces(folder: Path) -> list[Path]:
@@ -180,10 +169,9 @@ def pieces(folder: Path) -> list[Path]:
     return [*takewhile(Path.exists, (piece(folder, k) for k in count(1)))]
 
 
-def numbers(found: h5py.Dataset, *shape: int | None) -> Array:
-    """Return numbers of this shape, in which None is any length. ValueError."""
-    fits = all(n in (None, m) for n, m in zip(shape, found.shape))
-    if found.dtype.kind not in "iuf" or len(shape) != found.ndim or not fits:
+def numbers(found: h5py.Dataset, rows: int | None = None) -> Array:
+    """Return numbers in one dimension or two, with so many rows if that is known. ValueError."""
+    if found.dtype.kind not in "iuf" or found.ndim not in (1, 2) or rows not in (None, len(found)):
         raise ValueError(f"{found.name} has the shape {found.shape} and the type {found.dtype}")
     return np.array(found)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import AbstractContextManager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from fsipetsc.output.quantities import unit_of
 from fsipetsc.scheme.observables import SERIES
 
 
-class Run:
+class Run(AbstractContextManager["Run"]):
     """A result, as `open_run` and `run` return it.
 
     Fields are read from the file when they are asked for, and then kept: FileError if another run
@@ -57,17 +57,15 @@ class Run:
         for piece in found:
             with layout.opened(piece, layout.RESULT) as (file, about):
                 layers = about["header"]["layers"]
-                times.append(layout.numbers(file["time"], None))
+                times.append(layout.numbers(file["time"]))
                 self._files.append((piece, layout.stamp_of(file), len(times[-1])))
                 if "series" in file:
-                    group, steps = file["series"], len(layout.numbers(file["series/t"], None))
+                    group, steps = file["series"], len(file["series/t"])
                     # a list: HDF5, asked for names, crashes where a byte of many names has changed
                     for name in map(bytes.decode, group.attrs[layout.NAMES]):
-                        rows = layout.numbers(group[name], steps, *group[name].shape[1:2])
-                        series.setdefault(name, []).append(rows)
+                        series.setdefault(name, []).append(layout.numbers(group[name], steps))
                 for k, of in enumerate(layers if "layer0/X" in file and not nodes else ()):
-                    n, d = math.prod(of["shape"]), len(of["shape"])
-                    nodes.append(layout.numbers(file[f"layer{k}/X"], *((n, d) if d > 1 else (n,))))
+                    nodes.append(layout.numbers(file[f"layer{k}/X"], math.prod(of["shape"])))
         with layout.damage(self.path):
             self.time = np.concatenate(times)
             self.nframes = len(self.time)
@@ -83,8 +81,9 @@ class Run:
             self.summary: dict[str, Any] = end | {k: header[k] for k in ("ranks", "versions")}
             self.errors: dict[str, dict[str, float]] = about.get("errors", {})
             self.dimension = int(header.get("dimension", 1))
-            every = zip(layers, nodes or [np.empty(0)] * len(layers))
-            self.layers = tuple(Layer(self, k, *of) for k, of in enumerate(every))
+            unknown = [np.full((*of["shape"], len(of["shape"])), np.nan) for of in layers]
+            every = enumerate(zip(layers, nodes or unknown))  # without frames grids are not known
+            self.layers = tuple(Layer(self, k, *of) for k, of in every)
             self.blocks: dict[str, Layer] = {layer.name: layer for layer in self.layers}
             #: what columns of series may be of -> the names of these
             self.columns: dict[str, list[str]] = {
@@ -95,23 +94,15 @@ class Run:
                 "point": [f"{name} at {', '.join(f'{x:g}' for x in X)}" for name, X in self.points],
             }
 
-    def _need_frames(self) -> None:
-        if not self.nframes:  # the run was killed at its start; of grids nothing is known either
-            raise FileError(f"{self.path}: no frame is saved in it")
-
     def at(self, t: float) -> int:
-        """Return the number of the frame saved nearest to time t [s]. FileError: there is none."""
-        self._need_frames()
+        """Return the number of the frame saved nearest to time t [s]. ValueError: there is none."""
         return int(np.argmin(np.abs(self.time - t)))
 
     def interface(self, k: int | str) -> InterfaceLine:
-        """Return the line of an interface of a run in two dimensions, by its number, counted from
-        below, or its name. KeyError; FileError if no frame is saved.
-        """
+        """Return the line of an interface in two dimensions, by its number or name. KeyError."""
         names = self.interfaces if self.dimension == 2 else ()
         if k not in (*names, *range(-len(names), len(names))):
             raise KeyError(f"there is no interface {k!r} with a line; there are: {names}")
-        self._need_frames()
         number = names.index(k) if isinstance(k, str) else k
         return InterfaceLine(self, names[number], *self.header["interface_faces"][number])
 
@@ -151,9 +142,6 @@ class Run:
     def close(self, *_: object) -> None:
         """Do nothing: files are open only while something is read."""
 
-    def __enter__(self) -> Run:
-        return self
-
     __exit__ = close
 
     def __repr__(self) -> str:
@@ -189,14 +177,13 @@ class Layer(Mapping[str, Array]):
         self.fields = tuple(dict.fromkeys([*entry["fields"], "x"]))
         self._run, self._number, self._kept = run, number, dict[str, Array]()
         d = len(entry["shape"])
-        self.shape: tuple[int, ...] = tuple(entry["shape"]) if len(nodes) else (0,) * d
+        self.shape: tuple[int, ...] = tuple(entry["shape"])
         self.places: Array = nodes.reshape(*self.shape, d)
         self.periodic: tuple[bool, ...] = tuple(entry.get("periodic", [False] * d)[::-1])
         known = [*np.moveaxis(self.places, -1, 0)]
-        there = enumerate(known) if len(nodes) else ()  # else the result has no frames
-        rows = [X.swapaxes(-1 - k, -1).reshape(-1, self.shape[-1 - k]) for k, X in there]
+        rows = [X.swapaxes(-1 - k, -1).reshape(-1, X.shape[-1 - k]) for k, X in enumerate(known)]
         # whether each depends on its own axis alone
-        if rows and all(np.ptp(of, axis=0).max() <= 1e-12 * np.ptp(of) for of in rows):
+        if all(np.ptp(of, axis=0).max() <= 1e-12 * np.ptp(of) for of in rows):
             known = [of[0] for of in rows]
         known += [np.zeros(1)] * (3 - d)
         self.X, self.Y, self.Z = known
@@ -214,7 +201,6 @@ class Layer(Mapping[str, Array]):
         """Return all fields of a frame, name -> array of `shape`, without reading the others;
         negative numbers count from the last frame. IndexError.
         """
-        self._run._need_frames()
         first = range(self._run.nframes)[number]
         rows = self.read(self.fields, first, first + 1)
         return {name: row[0] for name, row in zip(self.fields, rows)}
@@ -235,11 +221,7 @@ class Layer(Mapping[str, Array]):
     __eq__, __hash__ = object.__eq__, object.__hash__  # Mapping's would compare all values
 
     def read(self, names: Sequence[str], first: int, end: int) -> list[Array]:
-        """Return these fields in the frames from first to end. FileError.
-
-        Frames are looked for in one file after the other. A finished result has a dataset for each
-        field; a piece has one table, with the columns of all fields for each of its frames.
-        """
+        """Return these fields in the frames from first to end, of one file after the other."""
         width, parts = len(self.fields), [[np.empty((0, *self.shape))] * len(names)]
         with layout.damage(self._run.path):
             for path, stamp, count in self._run._files:

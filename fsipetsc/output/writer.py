@@ -58,8 +58,6 @@ class RunWriter:
                     with "t" first, which may be overwritten later. All ranks call it
     after           what a restart keeps of a result of this name; if it is there it goes on
     checkpoint      of another run, if there is one: it gets a new name, as an earlier result does
-    moved           on rank 0, old and new names of what an earlier run has left
-    mark            on rank 0, by which result and checkpoints know each other: of this file alone
 
     Every failure to write is raised as FileError on all ranks.
     """
@@ -90,12 +88,16 @@ class RunWriter:
         self._about = {**layout.RESULT, "header": {**header}}
         self.path = Path(os.path.realpath(path))
         self.folder = beside(self.path, ".parts")
-        self.mark = ""
-        self.moved: list[tuple[Path, Path]] = []
-        self._number = 1  # of the next piece
-        #: frames given; on rank 0 rows of the series written
-        self.nframes, self.rows = self._on_root(lambda: self._begin(after, checkpoint))
-        self._number += self.nframes > 0
+        self.mark = ""  # on rank 0: by which this result and its checkpoints know each other
+        self.moved: list[tuple[Path, Path]] = []  # likewise: old, new names of an earlier run's
+        self._draft = self.folder / "draft.new"
+        self._number = 1  # of the next piece, on rank 0
+        try:
+            #: frames given; on rank 0 rows of the series written
+            self.nframes, self.rows = self._on_root(lambda: self._begin(after, checkpoint))
+        except FsiError:
+            self.close()
+            raise
 
     def write_frame(self, t: float, fields: Mapping[int, Array]) -> None:
         """Save the fields at time t: of layers, by number, (local, columns) of the points of this
@@ -120,27 +122,21 @@ class RunWriter:
             self._next_flush = done + max(SECONDS, 50 * (done - begun), 0.01 * (done - self._begun))
 
     def finish(self, summary: Mapping[str, Any], errors: Any, join: bool) -> None:
-        """Write the rest, the summary and the errors of the solution, None if they are not known;
-        join the pieces into one file, if that is wanted: a large one takes long. Collective.
-        """
-        self.flush()
+        """Write how the run has ended; join the pieces into one file if wanted. Collective."""
         self._about |= {"summary": summary, "errors": errors or {}}
         self._piece()
         if join:
             self._on_root(self._join)
-        self.close()
 
     def close(self) -> None:
         """Let other runs have the name. What was written stays. Not collective."""
-        if self._lock is None or self._lock.closed:
-            return
-        with suppress(OSError):
-            for draft in self.folder.glob("*.new"):
-                draft.unlink()
-            if not layout.pieces(self.folder):
-                os.unlink(self._lock.name)
-                self.folder.rmdir()
-        self._lock.close()
+        if self._lock and not self._lock.closed:
+            with suppress(OSError):
+                self._draft.unlink(missing_ok=True)
+                if not layout.pieces(self.folder):
+                    os.unlink(self._lock.name)
+                    self.folder.rmdir()
+            self._lock.close()
 
     def _piece(self) -> None:
         """Write a piece with all that is held in memory. Collective."""
@@ -165,9 +161,9 @@ class RunWriter:
                 self._together(partial(self._view, viewer, name, local))
             self._together(viewer.destroy)
             self._grids.clear()
-        self._on_root(lambda: publish(self._draft, self._draft.with_suffix(".h5")))
-        self.rows += sum(map(len, self._new_rows))
+        self._on_root(lambda: publish(self._draft, layout.piece(self.folder, self._number)))
         self._number += 1
+        self.rows += sum(map(len, self._new_rows))
         for written in (self._frames, self._times, self._new_rows):
             written.clear()
 
@@ -177,11 +173,8 @@ class RunWriter:
         # the ranks would lose data
         sizes = {"size": (local.size, None), "bsize": math.prod(local.shape[1:])}
         vec = PETSc.Vec().createWithArray(np.ascontiguousarray(local), **sizes, comm=self._comm)
-        group, dataset = name.split("/")
-        vec.setName(dataset)
-        viewer.pushGroup(f"/{group}")
+        vec.setName(name)
         vec.view(viewer)
-        viewer.popGroup()
         vec.destroy()
 
     def _on_root(self, action: Callable[[], Result]) -> Result:
@@ -190,15 +183,7 @@ class RunWriter:
 
     def _together(self, action: Callable[[], Result]) -> Result:
         """Run `action` on all ranks; if it fails on one, raise on all. Collective."""
-        try:
-            return together(self._comm, layout.writing(self.path, "the result")(action))
-        except FsiError:
-            self.close()
-            raise
-
-    @property
-    def _draft(self) -> Path:
-        return layout.piece(self.folder, self._number, ".new")
+        return together(self._comm, layout.writing(self.path, "the result")(action))
 
     def _lay_out(self, content: Mapping[str, Any], chunk: int = 0) -> None:
         """Write a draft with this content, in which tuples are shapes of what is to be filled."""
@@ -219,7 +204,8 @@ class RunWriter:
         self._lock = lock(self.folder, str(self.path))
         found = {self.path: self.path, layout.piece(self.folder, 1): self.folder}
         there = {file: whole for file, whole in found.items() if file.exists()}
-        others = [of for file, of in there.items() if after is None or _mark(file) != after.mark]
+        marks = {file: open_run(file).header["run"] for file in there} if after else {}
+        others = [of for file, of in there.items() if not after or marks[file] != after.mark]
         kept = after if len(others) < len(there) else None
         self.mark = kept.mark if kept else uuid4().hex
         self._about["header"] |= {"run": self.mark}
@@ -230,6 +216,7 @@ class RunWriter:
         if kept:
             self._join(kept)
             os.replace(self.path, layout.piece(self.folder, 1))
+            self._number = 2
         else:  # pieces behind a gap, which a kill has left
             clear(self.folder)
         if checkpoint is not None:
@@ -248,16 +235,13 @@ class RunWriter:
             raise FileError(f"{what}: {found}, not {kept.t:.17g}")
         self._about["header"]["created"] = run.header["created"]  # a restart keeps it
         content: dict[str, Any] = {"time": run.time[:frames]}
-        content |= {f"series/{name}": (rows, *of.shape[1:]) for name, of in run.series.items()}
+        content |= {f"series/{name}": values[:rows] for name, values in run.series.items()}
         layers = dict(enumerate(run.layers if frames else ()))
         for k, layer in layers.items():
-            d = len(layer.shape)
-            content[f"layer{k}/X"] = layer.places.reshape(-1, d) if d > 1 else layer.places[:, 0]
+            content[f"layer{k}/X"] = layer.places.reshape(-1, len(layer.shape)).squeeze()
             content |= {f"layer{k}/{name}": (frames, *layer.shape) for name in layer.fields}
         self._lay_out(content)
         with layout.open_h5(self._draft, "r+") as file:
-            for name, values in run.series.items():
-                file[f"series/{name}"][:] = values[:rows]
             for k, layer in layers.items():
                 step = max(1, BYTES // (8 * math.prod(layer.shape) * len(layer.fields)))
                 for first in range(0, frames, step):
@@ -268,13 +252,6 @@ class RunWriter:
         clear(self.folder)
         if run.dimension > 1 and not kept:
             layout.write_xdmf(run)
-
-
-def _mark(file: Path) -> str | None:
-    """Return the mark by which a result and its checkpoints know each other, if any."""
-    with suppress(FileError), layout.opened(file, layout.RESULT) as (_, about):
-        return str(about["header"]["run"])
-    return None  # it is no result, or damaged
 
 
 def lock(folder: Path, name: str) -> IO[str]:
