@@ -47,7 +47,7 @@ class Kept(NamedTuple):
 
 
 class RunWriter:
-    """The result of a running computation. **Collective on `comm`**.
+    """The result of a running computation. **Collective on `comm`**; FileError on all ranks.
 
     path            of the file in the end; FileError while another run is writing it
     header          JSON-able: case, options, versions, ranks, interfaces, layers (name, kind,
@@ -58,8 +58,6 @@ class RunWriter:
                     with "t" first, which may be overwritten later. All ranks call it
     after           what a restart keeps of a result of this name; if it is there it goes on
     checkpoint      of another run, if there is one: it gets a new name, as an earlier result does
-
-    Every failure to write is raised as FileError on all ranks.
     """
 
     def __init__(
@@ -235,13 +233,15 @@ class RunWriter:
             raise FileError(f"{what}: {found}, not {kept.t:.17g}")
         self._about["header"]["created"] = run.header["created"]  # a restart keeps it
         content: dict[str, Any] = {"time": run.time[:frames]}
-        content |= {f"series/{name}": values[:rows] for name, values in run.series.items()}
+        content |= {f"series/{name}": (rows, *of.shape[1:]) for name, of in run.series.items()}
         layers = dict(enumerate(run.layers if frames else ()))
         for k, layer in layers.items():
             content[f"layer{k}/X"] = layer.places.reshape(-1, len(layer.shape)).squeeze()
             content |= {f"layer{k}/{name}": (frames, *layer.shape) for name in layer.fields}
         self._lay_out(content)
         with layout.open_h5(self._draft, "r+") as file:
+            for name, values in run.series.items():
+                file[f"series/{name}"][:] = values[:rows]
             for k, layer in layers.items():
                 step = max(1, BYTES // (8 * math.prod(layer.shape) * len(layer.fields)))
                 for first in range(0, frames, step):
