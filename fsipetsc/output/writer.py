@@ -171,7 +171,7 @@ class RunWriter:
         # the ranks would lose data
         sizes = {"size": (local.size, None), "bsize": math.prod(local.shape[1:])}
         vec = PETSc.Vec().createWithArray(np.ascontiguousarray(local), **sizes, comm=self._comm)
-        vec.setName(name)
+        vec.setName(name)  # LAYER/DATASET, which HDF5 takes for a path
         vec.view(viewer)
         vec.destroy()
 
