@@ -171,8 +171,11 @@ class RunWriter:
         # the ranks would lose data
         sizes = {"size": (local.size, None), "bsize": math.prod(local.shape[1:])}
         vec = PETSc.Vec().createWithArray(np.ascontiguousarray(local), **sizes, comm=self._comm)
-        vec.setName(name)  # LAYER/DATASET, which HDF5 takes for a path
+        group, dataset = name.split("/")
+        vec.setName(dataset)
+        viewer.pushGroup(f"/{group}")
         vec.view(viewer)
+        viewer.popGroup()
         vec.destroy()
 
     def _on_root(self, action: Callable[[], Result]) -> Result:
