@@ -12,12 +12,16 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from matplotlib import rc_context
+from matplotlib.animation import FFMpegWriter, PillowWriter
+from matplotlib.figure import Figure
+from PIL import Image
 
 from fsipetsc.checks import Array, counted
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option
 from fsipetsc.output import drawing
-from fsipetsc.output.drawing import USUAL, Figure, View, Wanted
+from fsipetsc.output.drawing import USUAL, View, Wanted
 from fsipetsc.output.file_layout import writing
 from fsipetsc.output.info import info
 from fsipetsc.output.quantities import chosen, labelled, there, unit_of
@@ -53,9 +57,6 @@ Drawing = tuple[float, Callable[[Figure], None]]
 
 def plot(path: str, given: Mapping[str, str]) -> str:
     """Do what the options ask for; return the files written, a line each. FileError, InputError."""
-    from matplotlib import rc_context
-    from matplotlib.animation import FFMpegWriter
-
     fields = given.get("-fields", "")
     wanted = Wanted(
         fields=[name.strip() for name in fields.split(",") if fields],
@@ -89,8 +90,6 @@ def plot(path: str, given: Mapping[str, str]) -> str:
 
 def report(path: str, given: Mapping[str, str]) -> Path:
     """Write NAME.html, with all pictures and what `info` prints, in the folder of -o. FileError."""
-    from matplotlib import rc_context
-
     target, shown = Path(given.get("-o", os.curdir)) / f"{Path(path).stem}.html", []
     with open_run(path) as run, rc_context(drawing.STYLE), np.errstate(all="ignore"):
         for name, one in pictures(run).items():
@@ -136,8 +135,6 @@ def pictures(run: Run, wanted: Wanted = USUAL, every: bool = True) -> dict[str, 
 
 def drawn(run: Run, title: str, drawings: Sequence[Drawing]) -> Figure:
     """Return a figure of drawings below each other, with the title."""
-    from matplotlib.figure import Figure
-
     heights = [height for height, _ in drawings] or [1.0]
     figure = Figure(figsize=(WIDTH, 0.5 + sum(heights)))
     parts = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
@@ -181,7 +178,7 @@ def all_panels(run: Run) -> dict[str, list[Panel]]:
         if one.label and name in run.series:
             label, start = one.label.replace("*", name.removesuffix("_point")[-1]), 0.0
             if name == "x_interface" or label.startswith("change"):
-                start = np.asarray(run.summary.get(f"initial_{name}", run.series[name][0]))
+                start = initial.get(name, run.series[name][0])
             columns = (run.series[name] - start).reshape(len(t), -1).T
             curves = dict(zip(run.columns.get(one.of, [name]), columns))
             panel = Panel(label, unit_of(name, run), t, curves, name.startswith("residual"))
@@ -223,13 +220,21 @@ def envelope(t: Array, values: Array, parts: int = 300) -> tuple[Array, Array]:
     return t[at], values[at]
 
 
+class Images(PillowWriter):
+    """Writes films as GIF, with one palette, which has rare colours, too; as WebP without loss."""
+
+    def finish(self) -> None:
+        images = [image.convert("RGB") for image in self._frames]
+        if Path(self.outfile).suffix == ".gif":
+            sheet = Image.fromarray(np.concatenate(images[:: -(-len(images) // 8)]))
+            palette = sheet.quantize(method=Image.Quantize.MAXCOVERAGE, kmeans=3)
+            images = [one.quantize(palette=palette, dither=Image.Dither.NONE) for one in images]
+        more = {"append_images": images[1:], "duration": 1e3 / self.fps, "loop": 0}
+        images[0].save(self.outfile, save_all=True, lossless=True, **more)
+
+
 def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
     """Draw a film, all frames with the same scales; return it. FileError."""
-    from matplotlib.animation import FFMpegWriter
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-    from PIL import Image
-
     if run.nframes < 2:
         raise InputError(f"-animate: {counted(run.nframes, 'frame')}: expected two or more")
     frames = range(0, run.nframes, -(-run.nframes // MOST_FRAMES))
@@ -237,41 +242,21 @@ def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
     _, width, height = views[0].size(1)
     plane, width = run.dimension > 1, max(width, 4.0) + 1.2  # of a bar's label, at least
     figure = Figure(figsize=(len(views) * width, height + 0.9) if plane else (WIDTH, 3.4))
-    grid = figure.subplots(1, len(views), squeeze=False)[0]
+    panels = [*zip(figure.subplots(1, len(views), squeeze=False)[0], views)]
     title = drawing.set_title(figure, drawing.of_run(run, drawing.moment(run, -1)))
-
-    def show(frame: int) -> None:
-        for axes, view in zip(grid, views):
-            axes.clear()
-            view.draw(axes, frame)
-        title.set_text(drawing.of_run(run, drawing.moment(run, frame)))
-
-    for axes, view in zip(grid, views):
+    for axes, view in panels:
         view.draw(axes, 0)
         if plane:
             drawing.draw_bars(figure, view, axes)
-    figure.set_dpi(FILM_DPI)
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
+    figure.draw_without_rendering()
     figure.set_layout_engine("none")  # only what is drawn moves from now on
     rate = max(1.0, len(frames) / FILM_SECONDS)
-    with writing(target, "the film"):
-        if target.suffix == ".mp4":
-            film = FFMpegWriter(rate)
-            with film.saving(figure, target, FILM_DPI):
-                for frame in frames:
-                    show(frame)
-                    film.grab_frame()
-            return target
-        images = []
+    film = FFMpegWriter(rate) if target.suffix == ".mp4" else Images(rate)
+    with writing(target, "the film"), film.saving(figure, target, FILM_DPI):
         for frame in frames:
-            show(frame)
-            canvas.draw()
-            images.append(Image.fromarray(np.array(canvas.buffer_rgba())[..., :3]))
-        if target.suffix == ".gif":  # one palette, which has rare colours, too
-            sheet = Image.fromarray(np.concatenate(images[:: -(-len(images) // 8)]))
-            palette = sheet.quantize(method=Image.Quantize.MAXCOVERAGE, kmeans=3)
-            images = [one.quantize(palette=palette, dither=Image.Dither.NONE) for one in images]
-        more = {"append_images": images[1:], "duration": 1e3 / rate, "loop": 0, "lossless": True}
-        images[0].save(target, save_all=True, **more)
+            for axes, view in panels:
+                axes.clear()
+                view.draw(axes, frame)
+            title.set_text(drawing.of_run(run, drawing.moment(run, frame)))
+            film.grab_frame()
     return target
