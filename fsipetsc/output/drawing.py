@@ -99,9 +99,7 @@ def panels(figure: Figure, count: int, columns: int) -> list[Axes]:
 
 def label_y(axes: Axes, text: str) -> None:
     """Label a vertical axis, in lines that fit a low panel; its power of ten at the left."""
-    name, bracket, unit = text.partition("[")
-    whole = name + bracket + unit.replace(" ", "\u00a0")  # no line ends within a unit
-    lines = [textwrap.fill(line, 20, break_long_words=False) for line in whole.split("\n")]
+    lines = [textwrap.fill(line, 20, break_long_words=False) for line in text.split("\n")]
     axes.set_ylabel("\n".join(lines))
     axes.yaxis.get_offset_text().set_ha("right")
 
@@ -147,9 +145,6 @@ class View:
     base     kind of layer -> what is subtracted from values that vary by little, else 0
     scales   kind of layer -> colour map and range, for frames after the start
     bars     label of a colour bar -> the same
-    limits   (left, right), (lower, upper) of a panel
-    axes     labels of its two axes
-    ratio    its width over its height
     """
 
     def __init__(self, run: Run, name: str, frames: Sequence[int], wanted: Wanted = USUAL) -> None:
@@ -203,10 +198,10 @@ class View:
         found.append(values)
         for axis in (0, 1) if self.run.dimension == 2 else ():
             if layer.periodic[1 - axis]:
-                first, second, last = (layer.places.take(k, axis) for k in (0, 1, -1))
-                step, period = np.linalg.norm(second - first, axis=-1).max(), last - first
-                closed = np.linalg.norm(period, axis=-1).max() < 3.0 * step  # as an annulus is
-                period = [0.0, 0.0] if closed else (period + (second - first))[0]
+                first, second, last = (layer.places.take(k, axis)[0] for k in (0, 1, -1))
+                period = last - first + second - first
+                if np.linalg.norm(period) < 2.0 * np.linalg.norm(second - first):
+                    period = [0.0, 0.0]  # as of an annulus
                 moved = [*period, *[0.0] * (len(found) - 2)]
                 found = [np.append(v, v.take([0], axis) + P, axis) for v, P in zip(found, moved)]
         return [v[:, v.shape[1] // 2] if v.ndim == 3 else v for v in found]
@@ -234,14 +229,10 @@ class View:
         same = extremes(*(of for field, of in fields if unit_of(field) == self.unit))
         self.scales, self.bars = dict[str, dict[str, Any]](), dict[str, dict[str, Any]]()
         for kinds in [[*of_kind]] if alike else [[kind] for kind in of_kind]:
-            some = [v for kind in kinds for v in of_kind[kind]]
-            scale, white = self._scale(kinds, some, max(map(abs, same)))
-            self.scales |= dict.fromkeys(kinds, scale)
-            more = f", white: {white:.6g}".replace("-", "−") * bool(white)
-            self.bars[self._label(kinds, more)] = scale
+            self._scale(kinds, [v for kind in kinds for v in of_kind[kind]], max(map(abs, same)))
 
-    def _scale(self, kinds: list[str], values: list[Array], beside: float) -> tuple[Any, float]:
-        """Return colour map and range, beyond which a few values may lie, and what is white.
+    def _scale(self, kinds: list[str], values: list[Array], beside: float) -> None:
+        """Choose colour map and range, beyond which a few values may lie, of these kinds.
 
         What has both signs is white at 0, stresses at what they are in most of a solid at first.
         Round-off, beside the largest number of the same unit, gets one colour.
@@ -254,17 +245,19 @@ class View:
             low, high = map(float, inner)
         if high - low <= NOTHING * size:
             low, high = (0.5 * (low + high) + sign * (0.1 * size or 1.0) for sign in (-1, 1))
-        white, kind = 0.0, "fluid" if "fluid" in kinds else "solid"
-        stress, colours = "stress" in self.labels[kind], PLAIN.get(self.name, "viridis")
+        colours = "cividis" if kinds == ["solid"] else PLAIN.get(self.name, "viridis")
+        white, more, stress = 0.0, "", "stress" in self.labels[kinds[0]]
         if stress:
             first = [self.at(layer, 0)[-1].ravel() for layer in self.layers if layer.kind in kinds]
             white = rounded(np.nanmedian(np.concatenate(first)), BESIDE * (high - low))
         beyond = min(white - low, high - white) > BESIDE * (high - low)
-        if (stress or self.name not in PLAIN) and beyond:
-            half = max(white - low, high - white)
-            return {"cmap": SIGNED[kind], "vmin": white - half, "vmax": white + half}, white
-        colours = "cividis" if kind == "solid" else colours
-        return {"cmap": colours, "vmin": low, "vmax": high}, 0.0
+        if beyond and (stress or self.name not in PLAIN):
+            half, colours = max(white - low, high - white), SIGNED[kinds[0]]
+            low, high = white - half, white + half
+            more = f", white: {white:.6g}".replace("-", "−") * bool(white)
+        scale = {"cmap": colours, "vmin": low, "vmax": high}
+        self.scales |= dict.fromkeys(kinds, scale)
+        self.bars[self._label(kinds, more)] = scale
 
     def draw(self, axes: Axes, frame: int) -> None:
         """Draw one frame."""
@@ -279,8 +272,7 @@ class View:
         axes.grid(visible=False)
         for kind, of in found:
             if scale := self.scales.get(kind):
-                shown = *of[:2], np.ma.masked_invalid(of[-1])
-                axes.pcolormesh(*shown, shading="gouraud", rasterized=True, **scale)
+                axes.pcolormesh(*of, shading="gouraud", rasterized=True, **scale)
                 levels = np.linspace(scale["vmin"], scale["vmax"], self.wanted.contours + 2)[1:-1]
                 low, high = extremes(of[-1])
                 if (levels := levels[(low < levels) & (levels < high)]).size:
@@ -308,24 +300,22 @@ class View:
     def _streamlines(self, axes: Axes, frame: int) -> None:
         """Draw lines along the velocities of gases, as they are at a frame."""
         from matplotlib.path import Path as Outline
-        from matplotlib.tri import LinearTriInterpolator, Triangulation
+        from scipy.interpolate import griddata
 
         x, y = (np.linspace(*bounds, STREAM) for bounds in self.limits)
         points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-        flow = np.full((2, len(points)), np.nan)
+        flow = np.full(points.shape, np.nan)
         for layer in self.layers:
             if layer.kind == "fluid":
                 found = self.at(layer, frame, "uv" if self.run.dimension == 2 else "uw")[:4]
                 around = [np.r_[v[0], v[:, -1], v[-1, ::-1], v[::-1, 0]] for v in found[:2]]
                 inside = Outline(np.transpose(around)).contains_points(points)
-                x_nodes, y_nodes, *values = map(np.ravel, found)
-                mesh = Triangulation(x_nodes, y_nodes)
-                for of, v in zip(flow, values):
-                    of[inside] = LinearTriInterpolator(mesh, v)(*points[inside].T).filled(np.nan)
-        speed = np.hypot(*flow)
+                nodes, velocities = np.reshape(found, (2, 2, -1)).swapaxes(1, 2)
+                flow[inside] = griddata(nodes, velocities, points[inside])
+        speed = np.linalg.norm(flow, axis=-1)
         if np.isfinite(speed).any():  # else there are solids alone
-            flow[:, speed < 1e-3 * np.nanmax(speed)] = np.nan  # there are no lines where gas rests
-            lines = flow.reshape(2, STREAM, STREAM)
+            flow[speed < 1e-3 * np.nanmax(speed)] = np.nan  # there are no lines where gas rests
+            lines = flow.T.reshape(2, STREAM, STREAM)
             axes.streamplot(x, y, *lines, color="white", linewidth=0.5, arrowsize=0.5)
 
 

@@ -54,8 +54,8 @@ def is_si(run: Run) -> bool:
 
 
 def labelled(run: Run, label: str, unit: str) -> str:
-    """Return a label with its unit, where there is one: "kg m-3" as [kg m⁻³]."""
-    unit = unit.translate(str.maketrans("-123", "⁻¹²³"))
+    """Return a label with its unit, where there is one: "kg m-3" as [kg m⁻³], on one line."""
+    unit = unit.translate(str.maketrans("-123 ", "⁻¹²³\u00a0"))
     return f"{label}  [{unit}]" if unit not in ("", "¹") and is_si(run) else label
 
 
