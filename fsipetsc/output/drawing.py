@@ -7,6 +7,7 @@ colours are those of Okabe and Ito, which eyes that do not tell red from green t
 
 import textwrap
 from collections.abc import Sequence
+from functools import partial
 from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -104,10 +105,11 @@ def label_y(axes: Axes, text: str) -> None:
     axes.yaxis.get_offset_text().set_ha("right")
 
 
-def extremes(*arrays: Array) -> tuple[float, float]:
-    """Return smallest and largest of all finite values; 0, 0 if there are none."""
-    known = np.concatenate([np.empty(0), *(np.ravel(a[np.isfinite(a)]) for a in arrays)])
-    return (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
+def extremes(*arrays: Array, beyond: float = 0.0) -> tuple[float, float]:
+    """Return the range of all finite values but so many per cent of either; 0, 0 of none."""
+    known = np.concatenate([np.empty(0), *(a[np.isfinite(a)] for a in arrays)])
+    low, high = np.percentile(known, (beyond, 100.0 - beyond)) if known.size else (0.0, 0.0)
+    return float(low), float(high)
 
 
 def rounded(value: float, within: float) -> float:
@@ -187,19 +189,17 @@ class View:
 
     def at(self, layer: Layer, frame: int, more: str = "") -> list[Array]:
         """Return places of a frame, horizontal ones and of maps vertical ones, more fields, and
-        values. In two dimensions a periodic block ends with the nodes that it begins with, a period
-        on. Of three dimensions what lies in the middle of the second axis.
+        values. In two dimensions a periodic block ends with the nodes that it begins with.
         """
         fields = layer.frame(frame)
         found = [fields[x] for x in ("x", "xy", "xz")[self.run.dimension - 1] + more]
-        values = np.nan * found[0]
-        if layer.kind in self.labels:
-            values = values_of(self.name, layer, fields) - self.base[layer.kind]
-        found.append(values)
+        has_it = layer.kind in self.labels
+        values = values_of(self.name, layer, fields) if has_it else np.nan * found[0]
+        found.append(values - self.base.get(layer.kind, 0.0))
         for axis in (0, 1) if self.run.dimension == 2 else ():
             if layer.periodic[1 - axis]:
                 first, second, last = (layer.places.take(k, axis)[0] for k in (0, 1, -1))
-                period = last - first + second - first
+                period = last - first + second - first  # from the first node to the end
                 if np.linalg.norm(period) < 2.0 * np.linalg.norm(second - first):
                     period = [0.0, 0.0]  # as of an annulus
                 moved = [*period, *[0.0] * (len(found) - 2)]
@@ -237,12 +237,10 @@ class View:
         What has both signs is white at 0, stresses at what they are in most of a solid at first.
         Round-off, beside the largest number of the same unit, gets one colour.
         """
-        low, high = extremes(*values)
+        (low, high), inner = extremes(*values), extremes(*values, beyond=0.1)
         size = max(-low, high, beside)
-        shown = np.concatenate([v[np.isfinite(v)] for v in values])
-        inner = np.percentile(shown, (0.1, 99.9)) if low < high else (low, high)
         if inner[1] - inner[0] > NOTHING * size:  # else what happens is in few places
-            low, high = map(float, inner)
+            low, high = inner
         if high - low <= NOTHING * size:
             low, high = (0.5 * (low + high) + sign * (0.1 * size or 1.0) for sign in (-1, 1))
         colours = "cividis" if kinds == ["solid"] else PLAIN.get(self.name, "viridis")
@@ -361,7 +359,8 @@ def draw_over_time(figure: Figure, run: Run, names: Sequence[str]) -> None:
     gases of the paper's method, have what the nearest active point has.
     """
     grid = figure.subplots(1, len(names), sharex=True, sharey=True, squeeze=False)[0]
-    t = np.linspace(*run.time[[0, -1]], max(run.nframes, ROWS))
+    t = np.linspace(*run.time[[0, -1]], max(run.nframes, ROWS))  # triangles of few frames show
+    at_times = partial(np.interp, t, run.time)
     for axes, name in zip(grid, names):
         view = View(run, name, range(run.nframes))
         for layer in view.layers:
@@ -369,10 +368,9 @@ def draw_over_time(figure: Figure, run: Run, names: Sequence[str]) -> None:
             active = [(x, values, np.isfinite(values)) for x, values in rows]
             x = X + [np.interp(X, X[at], (x - X)[at]) for x, _, at in active]
             values = [np.interp(X, X[at], values[at]) for _, values, at in active]
-            of_points = (np.transpose(of) for of in (x, values))  # triangles of few frames show
-            x, values = ([np.interp(t, run.time, one) for one in of] for of in of_points)
-            shown = np.transpose(x), np.repeat(t[:, None], len(x), axis=1), np.transpose(values)
-            axes.pcolormesh(*shown, shading="gouraud", rasterized=True, **view.scales[layer.kind])
+            x, values = (np.apply_along_axis(at_times, 0, of) for of in (x, values))
+            scale = view.scales[layer.kind]
+            axes.pcolormesh(x, t, values, shading="gouraud", rasterized=True, **scale)
         lines = run.series.get("x_interface", np.empty((0, 0))).T
         for x, (color, width) in product(lines, OUTLINE):
             axes.plot(x, run.series["t"], color=color, linewidth=width)

@@ -65,22 +65,21 @@ def plot(path: str, given: Mapping[str, str]) -> str:
         streamlines="-streamlines" in given,
     )
     where, stem, done = Path(given.get("-o", os.curdir)), Path(path).stem, list[Path]()
-    every, film, films = "-all" in given, "-animate" in given, FFMpegWriter.isAvailable()
-    endings = () if every else FILMS if film else PICTURES
+    every, film = "-all" in given, "-animate" in given
+    films = [kind for kind in FILMS if kind != ".mp4" or FFMpegWriter.isAvailable()]
+    endings = () if every else films if film else PICTURES
     if where.suffix in {*PICTURES, *FILMS} - {*endings}:
-        others = ", or -animate" * (where.suffix in FILMS)
+        others = " (films: -animate; .mp4: with the program ffmpeg)" * (where.suffix in FILMS)
         endings = " or ".join(["a directory", *endings])
         raise InputError(f"plot: -o {where}: expected {endings}{others}")
-    if where.suffix == ".mp4" and not films:
-        raise InputError(f"plot: -o {where}: needs the program ffmpeg, which was not found")
     with open_run(path) as run, rc_context(drawing.STYLE), np.errstate(all="ignore"):
         for name, one in pictures(run, wanted).items() if every else ():
             labels = there(run).get(name, {"": TITLES.get(name, name)})  # of gases, of solids
             picture = drawn(run, "; ".join(dict.fromkeys(labels.values())), [one])
             done.append(drawing.save(picture, where / f"{stem}-{name}.png"))
         if film:
-            targets = [where / f"{stem}{kind}" for kind in FILMS[: 1 + films]]
-            targets = [where] if where.suffix in FILMS else targets
+            usual = [where / f"{stem}{kind}" for kind in films if kind != ".webp"]
+            targets = [where] if where.suffix in FILMS else usual
             done += [animate(run, target, wanted) for target in targets]
         if not done:
             target = where if where.suffix in PICTURES else where / f"{stem}.png"
@@ -116,9 +115,8 @@ def pictures(run: Run, wanted: Wanted = USUAL, every: bool = True) -> dict[str, 
     over_time = run.dimension == 1 and run.nframes >= 5  # of fewer, profiles say more
     if run.nframes and (every or wanted.times or not over_time):
         for name in there(run) if every and not wanted.fields else names:
-            frames = drawing.frames_of(run, name, wanted.times)
-            view = View(run, name, frames, wanted)
-            found[name] = view.size(len(frames))[2], partial(drawing.draw, view=view)
+            view = View(run, name, drawing.frames_of(run, name, wanted.times), wanted)
+            found[name] = view.size(len(view.frames))[2], partial(drawing.draw, view=view)
     if over_time and (every or not wanted.times):
         found["xt"] = MAPS, partial(drawing.draw_over_time, run=run, names=names)
     rows, columns = all_panels(run), 3
@@ -170,9 +168,8 @@ def all_panels(run: Run) -> dict[str, list[Panel]]:
     t = run.series.get("t", np.empty(0))
     if len(t) < 2:
         return found
-    laws, prefix = run.header.get("laws", {}), "initial_"
-    initial = {k.removeprefix(prefix): v for k, v in run.summary.items() if k.startswith(prefix)}
-    if initial and (departed := drifts(laws, initial, run.series)):
+    initial = {k.removeprefix("initial_"): v for k, v in run.summary.items() if "initial_" in k}
+    if initial and (departed := drifts(run.header.get("laws", {}), initial, run.series)):
         found["ledgers"].append(Panel(DEPARTURE, "", t, departed, logarithmic=True))
     for name, one in SERIES.items():
         if one.label and name in run.series:
