@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 from matplotlib import rc_context
-from matplotlib.animation import FFMpegWriter, PillowWriter
+from matplotlib.animation import AbstractMovieWriter, FFMpegWriter
 from matplotlib.figure import Figure
 from PIL import Image
 
@@ -168,7 +168,8 @@ def all_panels(run: Run) -> dict[str, list[Panel]]:
     t = run.series.get("t", np.empty(0))
     if len(t) < 2:
         return found
-    initial = {k.removeprefix("initial_"): v for k, v in run.summary.items() if "initial_" in k}
+    of_start = [name for name in run.summary if name.startswith("initial_")]
+    initial = {name.removeprefix("initial_"): run.summary[name] for name in of_start}
     if initial and (departed := drifts(run.header.get("laws", {}), initial, run.series)):
         found["ledgers"].append(Panel(DEPARTURE, "", t, departed, logarithmic=True))
     for name, one in SERIES.items():
@@ -217,11 +218,20 @@ def envelope(t: Array, values: Array, parts: int = 300) -> tuple[Array, Array]:
     return t[at], values[at]
 
 
-class Images(PillowWriter):
+class Images(AbstractMovieWriter):
     """Writes films as GIF, with one palette, which has rare colours, too; as WebP without loss."""
 
+    def setup(self, figure: Figure, outfile: Path, dpi: float | None = None) -> None:
+        super().setup(figure, outfile, dpi)
+        self.images = list[Image.Image]()
+
+    def grab_frame(self, **of_save: object) -> None:
+        self.fig.savefig(buffer := io.BytesIO(), format="rgba", dpi=self.dpi)
+        image = Image.frombytes("RGBA", self.frame_size, buffer.getvalue())
+        self.images.append(image.convert("RGB"))
+
     def finish(self) -> None:
-        images = [image.convert("RGB") for image in self._frames]
+        images = self.images
         if Path(self.outfile).suffix == ".gif":
             sheet = Image.fromarray(np.concatenate(images[:: -(-len(images) // 8)]))
             palette = sheet.quantize(method=Image.Quantize.MAXCOVERAGE, kmeans=3)
