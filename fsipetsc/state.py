@@ -81,10 +81,9 @@ class State:
         calls += [*self._calls("fulfil", SOLUTION), *self._calls("complete", SOLUTION)]
         self._whole_step = Calls(library, [*calls, (planning, ())])
 
-    def _calls(self, name: str, n: int, f: np.ndarray | None = None) -> list[Any]:
+    def _calls(self, name: str, n: int) -> list[Any]:
         """The calls of a phase of stage n: procedure, vectors."""
-        (y, after), found = self.vectors(n), []
-        rates = after if f is None else f
+        (y, rates), found = self.vectors(n), []
         for one in self.phases.get(f"{name}_{n}", self.phases.get(name, ())):
             alone = isinstance(one, OfRates)
             procedure, vectors = (one.procedure, (rates,)) if alone else (one, (y, rates))
@@ -92,11 +91,10 @@ class State:
                 found.append((procedure, vectors[: len(procedure.vectors)]))
         return found
 
-    def _do(self, name: str, n: int, f: np.ndarray | None = None) -> None:
-        key = name, n, 0 if f is None else f.ctypes.data
-        if key not in self._made:
-            self._made[key] = Calls(self._library, self._calls(name, n, f))
-        self._made[key]()
+    def _do(self, name: str, n: int) -> None:
+        if (name, n) not in self._made:
+            self._made[name, n] = Calls(self._library, self._calls(name, n))
+        self._made[name, n]()
 
     def _fail(self, error: FsiError) -> None:
         """Let a rank whose data are wrong go on, so that others do not wait for its messages."""
@@ -115,12 +113,14 @@ class State:
             self._fail(error)
 
     def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
-        """f = dy/dt of this rank's part y, which stays as it is, for the data set last."""
+        """f = dy/dt of this rank's part y, which stays as it is, for the data set last. A method
+        copies what it has found to f: nothing may keep vectors of PETSc's beyond its TS.
+        """
         self.evaluations += 1
         self._begun = False
         self.load(1, y)
         self._do("fulfil", 1)
-        self._do("rates", 1, f)
+        self._do("rates", 1)
 
     def project(self, y: np.ndarray) -> None:
         """Let this rank's part y obey all conditions, in place."""

@@ -188,6 +188,10 @@ class BlockState(State):
     def unload(self, n: int, y: np.ndarray) -> None:
         y[:] = self._now[n]
 
+    def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
+        super().right_hand_side(y, f)
+        f[:] = self.vectors(1)[1]
+
     def vectors(self, n: int) -> tuple[np.ndarray, np.ndarray]:
         return self._now[n % STAGES], self._now[(n + 1) % STAGES]
 
