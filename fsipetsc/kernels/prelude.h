@@ -285,7 +285,7 @@ void run_calls(const struct call *calls, long count, const double *bad, const do
    by one. Of a few items they are many, and one more vector, in part, is faster. */
 #define PRAGMA(text) _Pragma(#text)
 #define ITEMS(simd, ...) PRAGMA(simd) for (long i = 0; i < n; ++i) { __VA_ARGS__ }
-#ifdef __AVX512F__
+#if defined(__AVX512F__) && defined(__OPTIMIZE__)
 #define FEW_ITEMS(simd, ...) \
   const long whole = n & -8L; \
   PRAGMA(simd) for (long i = 0; i < whole; ++i) { __VA_ARGS__ } \
