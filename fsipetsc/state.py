@@ -113,8 +113,8 @@ class State:
             self._fail(error)
 
     def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
-        """f = dy/dt of this rank's part y, which stays as it is, for the data set last. A method
-        copies what it has found to f: nothing may keep vectors of PETSc's beyond its TS.
+        """f = dy/dt of this rank's part y, which stays as it is, for the data set last. f is not
+        filled here: a method copies rates to it, as nothing may keep vectors of PETSc's for later.
         """
         self.evaluations += 1
         self._begun = False
@@ -154,6 +154,7 @@ class State:
             if not self._begun:
                 self._do("begin", 0)
             self._whole_step(self.results[plan.BAD :], self.batch[plan.ALLOWED :])
+            self._begun = True
             self.show(SOLUTION)
         self.evaluations += STAGES * max(1, int(self.batch[plan.MADE]))
 

@@ -89,10 +89,6 @@ def test_a_file_that_cannot_be_gone_on_from_ends_all(stopped, tmp_path):
     for name, words in said.items():
         message(solve("rod", "-fsi_restart", name, cwd=tmp_path, ranks=3), 4, words)
     assert contents(tmp_path) == before
-    shutil.copy(stopped / NEWEST, tmp_path)
-    (tmp_path / "rod.h5").write_text("text")  # where the result would go on
-    message(solve("rod", "-fsi_restart", "auto", cwd=tmp_path, ranks=3), 4, "rod.h5: the file is")
-    assert (tmp_path / "rod.h5").read_text() == "text" and not (tmp_path / "rod.parts").exists()
 
 
 def test_what_cannot_change_is_named(stopped, tmp_path):

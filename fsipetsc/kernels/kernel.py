@@ -37,7 +37,7 @@ SHARED = "{c}"
 
 class Kernel:
     """See the head of this file. name: of the function in C; says: a sentence on what it does; few:
-    it often has a few items.
+    it often has few items.
     """
 
     def __init__(self, name: str, says: str, few: bool = False) -> None:

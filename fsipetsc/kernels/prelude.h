@@ -281,8 +281,8 @@ void run_calls(const struct call *calls, long count, const double *bad, const do
     for (const struct call *c = calls; c < calls + count; ++c) c->procedure(c->of, c->y, c->f);
   while (*bad == 0.0 && *allowed != 0.0);
 }
-/* A kernel's loop over items i. gcc takes those left over from vectors in half a vector, and then one
-   by one. Of a few items they are many, and one more vector, in part, is faster. */
+/* A kernel's loop over n >= 0 items i. gcc takes those left over from vectors in half a vector, and
+   then one by one. Of few items they are many, and one more vector, in part, is faster. */
 #define PRAGMA(text) _Pragma(#text)
 #define ITEMS(simd, ...) PRAGMA(simd) for (long i = 0; i < n; ++i) { __VA_ARGS__ }
 #if defined(__AVX512F__) && defined(__OPTIMIZE__)

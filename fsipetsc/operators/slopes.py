@@ -33,7 +33,7 @@ class Stencil(NamedTuple):
     reach: int
 
     def kernel(self, name: str, says: str) -> Kernel:
-        """A kernel of any nodes, in the end those near ends, which are few; or of nodes inside."""
+        """A kernel of any nodes, which are those near ends, and few; or of nodes inside."""
         return Kernel(name + "_inside" * (self.pairs > 0), says, few=not self.pairs)
 
     @property

@@ -106,7 +106,7 @@ def label_y(axes: Axes, text: str) -> None:
 
 
 def extremes(*arrays: Array, beyond: float = 0.0) -> tuple[float, float]:
-    """Return the range of all finite values but so many per cent of either; 0, 0 of none."""
+    """The range of all finite values but for so many per cent at either end; 0, 0 of none."""
     known = np.concatenate([np.empty(0), *(a[np.isfinite(a)] for a in arrays)])
     low, high = np.percentile(known, (beyond, 100.0 - beyond)) if known.size else (0.0, 0.0)
     return float(low), float(high)

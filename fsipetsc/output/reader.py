@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, suppress
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from fsipetsc.output.quantities import unit_of
 from fsipetsc.scheme.observables import SERIES
 
 
-class Run(AbstractContextManager["Run"]):
+class Run:
     """A result, as `open_run` and `run` return it.
 
     Fields are read from the file when they are asked for, and then kept: FileError if another run
@@ -94,8 +94,14 @@ class Run(AbstractContextManager["Run"]):
                 "point": [f"{name} at {', '.join(f'{x:g}' for x in X)}" for name, X in self.points],
             }
 
+    def _need_frames(self) -> None:
+        """FileError if no frame is saved, as of a run that was killed at its start."""
+        if not self.nframes:
+            raise FileError(f"{self.path}: no frame is saved in it")
+
     def at(self, t: float) -> int:
-        """Return the number of the frame saved nearest to time t [s]. ValueError: there is none."""
+        """Return the number of the frame saved nearest to time t [s]. FileError: there is none."""
+        self._need_frames()
         return int(np.argmin(np.abs(self.time - t)))
 
     def interface(self, k: int | str) -> InterfaceLine:
@@ -141,6 +147,9 @@ class Run(AbstractContextManager["Run"]):
 
     def close(self, *_: object) -> None:
         """Do nothing: files are open only while something is read."""
+
+    def __enter__(self) -> Run:
+        return self
 
     __exit__ = close
 
@@ -201,6 +210,7 @@ class Layer(Mapping[str, Array]):
         """Return all fields of a frame, name -> array of `shape`, without reading the others;
         negative numbers count from the last frame. IndexError.
         """
+        self._run._need_frames()
         first = range(self._run.nframes)[number]
         rows = self.read(self.fields, first, first + 1)
         return {name: row[0] for name, row in zip(self.fields, rows)}

@@ -205,8 +205,7 @@ class RunWriter:
         self._lock = lock(self.folder, str(self.path))
         found = {self.path: self.path, layout.piece(self.folder, 1): self.folder}
         there = {file: whole for file, whole in found.items() if file.exists()}
-        marks = {file: open_run(file).header["run"] for file in there} if after else {}
-        others = [of for file, of in there.items() if not after or marks[file] != after.mark]
+        others = [of for file, of in there.items() if after is None or _mark(file) != after.mark]
         kept = after if len(others) < len(there) else None
         self.mark = kept.mark if kept else uuid4().hex
         self._about["header"] |= {"run": self.mark}
@@ -255,6 +254,13 @@ class RunWriter:
         clear(self.folder)
         if run.dimension > 1 and not kept:
             layout.write_xdmf(run)
+
+
+def _mark(file: Path) -> str | None:
+    """Return the mark by which a result and its checkpoints know each other, if any."""
+    with suppress(FileError), layout.opened(file, layout.RESULT) as (_, about):
+        return str(about["header"]["run"])
+    return None  # it is no result, or damaged
 
 
 def lock(folder: Path, name: str) -> IO[str]:
