@@ -75,9 +75,9 @@ class State:
         for exchange in exchanges:
             exchange.load(library)
         self._made: dict[Any, Calls] = {}
-        names, later = ("data", "fulfil", "advance"), range(1, STAGES)
-        calls = [one for n in later for name in names for one in self._calls(name, n)]
-        calls = [*self._calls("advance", 0), *calls]
+        calls, names = self._calls("advance", 0), ("data", "fulfil", "advance")
+        for n in range(1, STAGES):
+            calls += [one for name in names for one in self._calls(name, n)]
         calls += [*self._calls("fulfil", SOLUTION), *self._calls("complete", SOLUTION)]
         self._whole_step = Calls(library, [*calls, (planning, ())])
 
@@ -138,6 +138,10 @@ class State:
 
     def complete(self) -> None:
         self._do("complete", SOLUTION)
+        self.completed()
+
+    def completed(self) -> None:
+        """Be at the solution that is completed, from which the next step has begun."""
         self._begun = True
 
     def keep(self) -> None:
@@ -154,8 +158,7 @@ class State:
             if not self._begun:
                 self._do("begin", 0)
             self._whole_step(self.results[plan.BAD :], self.batch[plan.ALLOWED :])
-            self._begun = True
-            self.show(SOLUTION)
+            self.completed()
         self.evaluations += STAGES * max(1, int(self.batch[plan.MADE]))
 
     def step_in_parts(self, parts: int) -> None:
@@ -173,9 +176,8 @@ class State:
 
     def _advance(self, look: Any = None, ends: bool = True) -> Any:
         """Make a step, until look() finds something in a stage; ends: complete the solution."""
-        t, dt, end = self.batch[[plan.TIME, plan.DT, plan.NEXT]].tolist()
         for n, part in enumerate(FRACTIONS):
-            self.set_data(end if part == 1.0 else t + part * dt)
+            self.set_data(float(plan.time_of(part, self.batch)))
             self._do("fulfil" if n > 0 else "begin", n)
             if n == SOLUTION and ends:
                 self.complete()

@@ -199,8 +199,8 @@ class BlockState(State):
         self._shown = self._now[n % STAGES]
         self._do("halos", n)
 
-    def complete(self) -> None:
-        super().complete()
+    def completed(self) -> None:
+        super().completed()
         self._do("inside", SOLUTION)
         self._shown = self.y
 

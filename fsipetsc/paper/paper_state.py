@@ -260,8 +260,8 @@ class PaperState(State):
     def show(self, n: int) -> None:
         self.unload(n, self.y)
 
-    def complete(self) -> None:
-        super().complete()
+    def completed(self) -> None:
+        super().completed()
         self.show(SOLUTION)
 
     def begin(self) -> None:

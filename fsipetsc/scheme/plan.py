@@ -38,6 +38,11 @@ FRACTIONS = 0.0, 0.5, 0.5, 1.0, 1.0
 NEW_DATA = 1, 3
 
 
+def time_of(part, batch):
+    """The time at a part of the step. Its end is exactly where the next one begins."""
+    return batch[NEXT] if part == 1.0 else batch[TIME] + part * batch[DT]
+
+
 def begin_stage(kind, number, found):
     """Let sweeps store this kind from now on, of the stage of this number. Nothing came in yet."""
     dt, found.stage[0] = found.plan.batch[DT], float(kind)

@@ -16,7 +16,7 @@ from fsipetsc.checks import POSITIVE, Array, block_values, checked, datum, names
 from fsipetsc.errors import InputError, place_in, reason
 from fsipetsc.kernels.loops import each
 from fsipetsc.kernels.symbols import Record, Symbol, needed, numbers_of
-from fsipetsc.scheme.plan import DT, NEXT, TIME
+from fsipetsc.scheme.plan import time_of
 
 #: a function of more operations is left to Python: the compiler takes 2 to 3 s for so many
 MOST = 500
@@ -115,6 +115,5 @@ def set_data(timed, time):
 
 
 def set_time(part, found):
-    """The time of data is at a part of the step. Its end is exactly where the next one begins."""
-    batch = found.plan.batch
-    found.time[0] = batch[NEXT] if part == 1.0 else batch[TIME] + part * batch[DT]
+    """The time of data is at a part of the step."""
+    found.time[0] = time_of(part, found.plan.batch)
