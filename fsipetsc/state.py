@@ -1,6 +1,7 @@
 """What the states of both methods have in common: steps, checkpoints, errors."""
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -24,7 +25,7 @@ class OfRates(NamedTuple):
     procedure: Procedure
 
 
-class State:
+class State(AbstractContextManager[Any]):
     """A solution and all that belongs to it: steps, checkpoints, errors. All is collective.
 
     Stages 0 to 3 of a step begin with the solution; SOLUTION is the one that comes of them. A
@@ -295,9 +296,6 @@ class State:
         self.set_data(t)
         self.begin()
         agree(self.comm, self.fault)
-
-    def __enter__(self) -> Any:
-        return self
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         """Destroy it, which is collective, unless this rank may be alone with an error."""

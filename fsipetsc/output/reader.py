@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import AbstractContextManager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from fsipetsc.output.quantities import unit_of
 from fsipetsc.scheme.observables import SERIES
 
 
-class Run:
+class Run(AbstractContextManager["Run"]):
     """A result, as `open_run` and `run` return it.
 
     Fields are read from the file when they are asked for, and then kept: FileError if another run
@@ -147,9 +147,6 @@ class Run:
 
     def close(self, *_: object) -> None:
         """Do nothing: files are open only while something is read."""
-
-    def __enter__(self) -> Run:
-        return self
 
     __exit__ = close
 
