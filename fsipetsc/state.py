@@ -97,11 +97,6 @@ class State(AbstractContextManager[Any]):
             self._made[name, n] = Calls(self._library, self._calls(name, n))
         self._made[name, n]()
 
-    def _fail(self, error: FsiError) -> None:
-        """Let a rank whose data are wrong go on, so that others do not wait for its messages."""
-        self.fault = self.fault or error
-        self.results[plan.SAID_STOP] = FAULT
-
     def set_data(self, t: float) -> None:
         """Let data be those at time t [s]: C fills those that depend on it, unless Python is asked,
         whose errors are faults.
@@ -110,8 +105,9 @@ class State(AbstractContextManager[Any]):
             return self._fill(t)
         try:
             self.refresh(t)
-        except InputError as error:
-            self._fail(error)
+        except InputError as error:  # the step goes on, as other ranks wait for messages
+            self.fault = self.fault or error
+            self.results[plan.SAID_STOP] = FAULT
 
     def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
         """f = dy/dt of this rank's part y, which stays as it is, for the data set last. f is not

@@ -301,8 +301,8 @@ class BlockState(State):
         """(M, columns) of ``fields``: what is saved of this rank's nodes of block k."""
         return self.parts[k].fields(self.ghosted(k))
 
-    def save(self) -> dict[int, np.ndarray]:
+    def save(self) -> list[np.ndarray]:
         """What is saved of this rank's nodes of each block, to be copied before the next call."""
         none = [np.empty((0, len(self.fields(k)))) for k in range(len(self.shapes))]
         here = [self.saved(k) if k in self.parts else array for k, array in enumerate(none)]
-        return {k: self.layout.in_order(k, array) for k, array in enumerate(here)}
+        return [self.layout.in_order(k, array) for k, array in enumerate(here)]

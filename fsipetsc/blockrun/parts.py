@@ -126,10 +126,10 @@ class GasPart(BlockPart):
         most = change.argmax()
         return change[most], *self.X[:, at[most]]
 
-    def fields(self, q: Array, rows: slice = slice(None)) -> Array:
-        """(…, 2d + 4), saved of these rows: rho, u, T, p, J over that of the reference map, x."""
-        own = self.owned[rows]
-        w, J = self.laws.primitive(tuple(q[own].T)), q[own, 0] / self.reference[rows]
+    def fields(self, q: Array) -> Array:
+        """(M, 2d + 4), saved of owned nodes: rho, u, T, p, J over that of the reference map, x."""
+        own = self.owned
+        w, J = self.laws.primitive(tuple(q[own].T)), q[own, 0] / self.reference
         self.does["find_places"]()
         x = self.places[:, own]
         return np.stack([w[0], *self.laws.velocity(w), w[2], w[1], J, *x], axis=-1)
@@ -218,13 +218,13 @@ class SolidPart(BlockPart):
         (T, p), stress, hoops = np.split(found[:, rows], [2, 2 + d * d])
         return T, p, stress.reshape(d, d, -1) - self.p_ref * np.eye(d)[..., None], hoops
 
-    def fields(self, q: Array, rows: slice = slice(None)) -> Array:
-        """(…, …) what is saved of these rows of the owned nodes: v, T, Cauchy stress, x; in one
-        dimension its part sigma, and p after x; then sigma_theta of hoops.
+    def fields(self, q: Array) -> Array:
+        """(M, …) what is saved of the owned nodes: v, T, Cauchy stress, x; in one dimension its
+        part sigma, and p after x; then sigma_theta of hoops.
         """
         self.measure(q)
-        d, nodes = self.d, self.owned[rows]
-        T, p, stress, hoops = self.stressed(q, rows)
+        d, nodes = self.d, self.owned
+        T, p, stress, hoops = self.stressed(q, slice(None))
         v, x = q[nodes, d : 2 * d].T, self.X[:, nodes] + q[nodes, :d].T
         if d > 1:
             return np.stack([*v, T, *stress[np.triu_indices(d)], *x, *hoops], axis=-1)

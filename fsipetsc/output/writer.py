@@ -74,8 +74,8 @@ class RunWriter:
         # empty when they are written
         self._grids = [X[:, 0] if X.shape[1] == 1 else X for X in grids]
         self._points = [math.prod(layer["shape"]) for layer in header["layers"]]  # of all ranks
-        self._widths = [len({*layer["fields"], "x"}) for layer in header["layers"]]
-        size = 8 * int(np.dot(self._points, self._widths))
+        widths = [len({*layer["fields"], "x"}) for layer in header["layers"]]
+        size = 8 * int(np.dot(self._points, widths))
         self._capacity = max(1, min(FRAMES, BYTES * comm.size // max(1, size)))
         self._begun = time.monotonic()
         self._next_flush = self._begun + SECONDS  # rank 0's clock decides for all
@@ -97,12 +97,11 @@ class RunWriter:
             self.close()
             raise
 
-    def write_frame(self, t: float, fields: Mapping[int, Array]) -> None:
-        """Save the fields at time t: of layers, by number, (local, columns) of the points of this
-        rank, if it has some. NaN outside the active part. Collective.
+    def write_frame(self, t: float, fields: Sequence[Array]) -> None:
+        """Save the fields at time t: of each layer (local, columns) of the points of this rank,
+        which may have none. NaN outside the active part. Collective.
         """
-        none = {k: np.empty((0, width)) for k, width in enumerate(self._widths)}
-        self._frames.append([np.array(of, float) for of in {**none, **fields}.values()])
+        self._frames.append([np.array(of, float) for of in fields])
         self._times.append(t)
         self.nframes += 1
         self.flush(now=len(self._frames) >= self._capacity)

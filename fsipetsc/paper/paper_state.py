@@ -177,9 +177,9 @@ class PaperState(State):
     def grids(self) -> list[Array]:
         return [layer.X[:, None] for layer in self.layers]
 
-    def save(self) -> dict[int, Array]:
+    def save(self) -> list[Array]:
         self._do("stretch", 0)
-        return {k: layer.saved() for k, layer in self.parts.items()}
+        return [layer.saved() for layer in self.layers]
 
     def seen(self) -> list[Any]:
         return [layer.seen() for layer in self.parts.values()]
