@@ -23,10 +23,6 @@ A checkpoint, which is numbers and a text and never code, has
     about            JSON text: format, version, header, names of arrays
     arrays/NAME      each array
     sha256           of the text and the numbers
-
-NAME.xdmf, for ParaView and VTK, holds no numbers: a collection over time of collections of blocks,
-each a curvilinear grid, in two dimensions one point deep (with a 2DSMesh, VTK's reader takes no
-vectors). A HyperSlab takes one frame of a dataset.
 """
 
 import hashlib
@@ -35,7 +31,6 @@ import json
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from html import escape  # that of xml.sax loads all for the network
 from itertools import count, takewhile
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -52,7 +47,6 @@ RESULT = {"format": "fsipetsc result", "version": 4}
 CHECKPOINT = {"format": "fsipetsc checkpoint", "version": 12}
 NAMES = "names"  # attribute of the group of series: their names
 LIBVER = ("v110", "v110")
-_XDMF = b'<Xdmf Version="2.0"><!-- a result of fsipetsc -->'
 
 
 @contextmanager
@@ -209,49 +203,3 @@ def write_checkpoint(path: str | Path, header: dict[str, Any], arrays: Mapping[s
         kept = f"; the one before is kept in {target}" if target.is_file() else ""
         said = f"{path}: the checkpoint cannot be written: {error.strerror or error}{kept}"
         raise CheckpointError(said) from None
-
-
-def write_xdmf(run: Any) -> None:
-    """Write NAME.xdmf beside a finished result (Run). OSError; FileError over another file."""
-    target = beside(run.path, ".xdmf")
-    if target.exists() and not target.read_bytes().startswith(_XDMF):
-        raise FileError(f"{target}: is no XDMF of a result, and is left; {run.path} is complete")
-    kind, frames = 'GridType="Collection" CollectionType', ""
-    for frame, t in enumerate(run.time.tolist()):
-        blocks = "".join(_block(run, k, frame) for k in range(len(run.layers)))
-        about = f'Name="frame {frame}" {kind}="Spatial"'
-        frames += f'<Grid {about}><Time Value="{t!r}"/>{blocks}</Grid>\n'
-    series = f'<Grid Name="{escape(run.case)}" {kind}="Temporal">{frames}</Grid>'
-    put(target, _XDMF + f"<Domain>{series}</Domain></Xdmf>".encode())
-
-
-def _block(run: Any, k: int, frame: int) -> str:
-    layer, d, file = run.layers[k], run.dimension, escape(os.path.basename(run.path))
-    shape, letters = " ".join(map(str, layer.shape)), "XYZ"[:d]
-    size = f"1 {shape}" if d == 2 else shape
-
-    def slab(field: str) -> str:
-        return (
-            f'<DataItem ItemType="HyperSlab" Dimensions="{size}">'
-            f'<DataItem Dimensions="3 {d + 1}" Format="XML">'
-            f"{frame}{' 0' * d} 1{' 1' * d} 1 {shape}</DataItem>"
-            f'<DataItem Dimensions="{run.nframes} {shape}" NumberType="Float" Precision="8" '
-            f'Format="HDF">{file}:/layer{k}/{field}</DataItem></DataItem>'
-        )
-
-    def vectors(fields: str) -> str:
-        join = f'Function="JOIN({", ".join(f"${n}" for n in range(d))})"'
-        slabs = "".join(map(slab, fields[:d]))
-        return f'<DataItem ItemType="Function" {join} Dimensions="{size} {d}">{slabs}</DataItem>'
-
-    known = {name: ("Scalar", slab(name)) for name in layer.fields if name not in "xyz"[:d]}
-    known["velocity"] = "Vector", vectors("uvw")
-    fields = "".join(
-        f'<Attribute Name="{name}" AttributeType="{kind}" Center="Node">{data}</Attribute>'
-        for name, (kind, data) in known.items()
-    )
-    return (
-        f'<Grid Name="{escape(layer.name)}" GridType="Uniform">'
-        f'<Topology TopologyType="3DSMesh" Dimensions="{size}"/>'
-        f'<Geometry GeometryType="{letters}">{vectors("xyz")}</Geometry>{fields}</Grid>'
-    )

@@ -29,6 +29,7 @@ from fsipetsc.errors import FileError, FsiError
 from fsipetsc.output import file_layout as layout
 from fsipetsc.output.file_layout import beside, publish
 from fsipetsc.output.reader import open_run
+from fsipetsc.output.xdmf import write_xdmf
 from fsipetsc.process.together import Result, together
 
 #: a piece is written after so many frames, bytes of a rank, or seconds
@@ -252,7 +253,7 @@ class RunWriter:
         publish(self._draft, self.path)
         clear(self.folder)
         if run.dimension > 1 and not kept:
-            layout.write_xdmf(run)
+            write_xdmf(run)
 
 
 def _mark(file: Path) -> str | None:
