@@ -72,7 +72,7 @@ def _words(case: Any, options: Mapping[str, Any]) -> Iterator[str]:
     """Yield the options as on the command line, with the beginning of their names. InputError."""
     known = {name.lower() for name in defaults(case)}
     for name, value in {"quiet": True, **options}.items():
-        if value and name.lower() in ("check", "fsi_check"):
+        if name.lower() in ("check", "fsi_check") and value:
             raise InputError("run: 'check' makes no result; the command line has -fsi_check")
         names = name, f"fsi_{name}", f"ts_{name}"
         if value is not None:
@@ -81,6 +81,7 @@ def _words(case: Any, options: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _text(value: Any) -> str:
+    value = getattr(value, "tolist", lambda: value)()  # of numpy's arrays
     if isinstance(value, Iterable) and not isinstance(value, (str, os.PathLike)):
         return ",".join(map(_text, value))
     return str(value)

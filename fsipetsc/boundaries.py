@@ -106,6 +106,7 @@ class Open(Boundary):
     u0: float = 0.0
     order: int = 1
     given = "p0", "T0", "u0", "order"
+    fixed = "x", "p0", "T0", "u0"
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -130,6 +131,7 @@ class Dirichlet(Boundary):
     given = ("values",)
     degree = 0
     functions = ("values",)
+    fixed = ("x",)
 
     def condition(self, material: Any) -> conditions.Condition:
         return conditions.Given(self._of_place("values"))

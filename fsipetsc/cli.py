@@ -179,7 +179,7 @@ def _options_help(title: str, usage: str, options: Mapping[str, Sequence[Option]
     sections = {heading: dict(map(_row, found)) for heading, found in options.items() if found}
     sections["More of PETSc"] = {f"-{name}": what for name, what in PASSED_ON.items()}
     notes = (
-        "An option is written -name value; above its type and default follow its name. If one is "
+        "Write an option as -name value; its type and default stand after its name. If one is "
         "given twice the last counts; the command line overrides PETSC_OPTIONS. A bool without a "
         "value is true; ints and floats are lists such as 0.1,0.25. PETSc's others are refused."
     )

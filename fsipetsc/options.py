@@ -95,7 +95,8 @@ class Option:
         if self.choices is not None:
             some = "some" if self.kind in ("ints", "floats") else "one"
             return f"{some} of {', '.join(map(str, self.choices))}"
-        bound = "within its range" if callable(self.check) else self.check or ""
+        bound = "" if callable(self.check) else self.check or ""
+        bound = f"each {bound}" if bound and self.kind in ("ints", "floats") else bound
         unit = f"[{self.unit}]" if self.unit else ""
         return " ".join(filter(None, (_KINDS[str(self.kind)], bound, unit)))
 
@@ -147,7 +148,7 @@ DISCRETISATION = (
         "form of convection; auto: entropy, not for laws of your own and in the paper's method",
         ("auto", "divergence", "entropy")),
     Option("fsi_dissipation", float, 0.0, "",
-        "dissipation, times its usual size; 0: 1 where blocks are joined, else none; -1: none",
+        "factor of the usual dissipation; 0: 1 if blocks are joined, else none; -1: none",
         check=lambda size: -1 <= size <= 3 or "a number from -1 to 3"),
     Option("fsi_shock", float, 0.0, "",
         "dissipation where a sensor sees a shock, times its usual size", check="nonnegative"),
@@ -155,8 +156,8 @@ DISCRETISATION = (
 OUTPUT = (
     Option("fsi_output", str, None, "",
         "result file (HDF5); an earlier result is never destroyed silently",
-        check=lambda name: bool(Path(name).name and Path(name).suffix != ".parts")
-        or "the name of a file that does not end in .parts"),
+        check=lambda name: bool(Path(name).name and Path(name).suffix not in (".parts", ".py"))
+        or "the name of a file that does not end in .parts or .py"),
     Option("fsi_output_dt", float, None, "s", "interval of saved profiles", check="positive"),
     Option("fsi_output_times", "floats", None, "s", "times of saved profiles",
         check=lambda times: (times[0] >= 0 and [*times] == sorted({*times}))

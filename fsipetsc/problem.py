@@ -220,8 +220,8 @@ def _solid(layer: Any, cells: int) -> Block:
     x = layer.values("initial", X := np.linspace(low, high, cells + 1))[3]
     if not np.all(rises := np.diff(x) > 0):
         raise InputError(f"{layer}: its x does not rise after X = {X[np.argmin(rises)]:.6g}")
-    stress = _prestress(layer)
-    (found,) = stress(np.linspace(low, high, 101))
+    stress = _prestress(layer, cells)
+    (found,) = stress(X)
     uniform = np.ptp(found) == 0.0
     numbers = 0.0, of.K, of.kappa_e, of.m0, of.alpha, -float(found[0]) if uniform else 0.0
     return Block(
@@ -257,13 +257,14 @@ def _forces_alone(layer: Any) -> Function:
     return called
 
 
-def _prestress(layer: Any) -> Function:
+def _prestress(layer: Any, cells: int) -> Function:
     """What the initial stress of a solid is beside K ln x_X [Pa]: a function of X.
 
-    x_X is that of polynomials of sixth degree through x, in steps of a thousandth of the layer.
+    x_X is that of polynomials of sixth degree through x, in steps of a thousandth of the layer, or
+    of half a cell if that is less.
     """
     (low, high), initial, K = layer.X, layer.initial, layer.material.K
-    step, points = 1e-3 * (high - low), np.arange(-3.0, 4.0)
+    step, points = min(1e-3, 0.5 / cells) * (high - low), np.arange(-3.0, 4.0)
     powers = np.linalg.inv(np.vander(points, increasing=True))
 
     def found(X: Array) -> tuple[Array]:

@@ -30,11 +30,13 @@ COLUMNS |= {"slip": ("slip_length",), "outside": ("rho", "u", "T")}
 class Checked:
     """A dataclass whose data are checked; numbers become floats.
 
-    ranges: what data must be that are numbers or functions; functions: those that are no numbers.
+    ranges: what data must be that are numbers or functions; functions: those that are no numbers;
+    fixed: those that are no functions.
     """
 
     ranges = RANGES
     functions: tuple[str, ...] = ()
+    fixed: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         name = type(self).__name__
@@ -42,7 +44,7 @@ class Checked:
             key, value, what = field.name, getattr(self, field.name), f"{name}: {field.name}"
             if key in self.functions:
                 check("optional" if field.default is None else "function", value, what)
-            elif callable(value) or (value is None and field.default is None):
+            elif (callable(value) and key not in self.fixed) or value is field.default is None:
                 continue
             elif key in self.ranges:
                 object.__setattr__(self, key, number(value, what, self.ranges[key]))

@@ -296,8 +296,9 @@ _STEEP = frozenset({"/", "sqrt", "log", "log1p", "pow", "arctan2"})
 def derivatives(values: Sequence[Any], by: Symbol, still: bool = False) -> tuple[Any, ...]:
     """The derivative of each symbol (or number) of ``values`` by one symbol, by forward mode.
 
-    still: what is made of numbers that do not change does not change either, though its slope may
-    be infinite there, as that of the root of np.maximum(t, 0) before t = 0.
+    still: what is made of numbers that do not change does not change either, where its slope is
+    infinite, as that of the root of np.maximum(t, 0) before t = 0. Elsewhere nothing is left out,
+    so that second derivatives are right also where numbers rest for an instant.
     """
     record = by.record
     one, nothing = record.constant(1.0), record.constant(0.0)
@@ -310,7 +311,8 @@ def derivatives(values: Sequence[Any], by: Symbol, still: bool = False) -> tuple
         moving = [part for part in changes if part is not nothing]
         if still and symbol.operation in _STEEP and all(part.value is None for part in moving):
             rests = reduce(np.logical_and, [part == 0.0 for part in moving])
-            change = record.constant(np.where(rests, 0.0, change))
+            no_number = change != change  # 0 times infinity
+            change = record.constant(np.where(rests & no_number, 0.0, change))
         if change is not nothing:
             found[symbol.number] = change
     return tuple(found.get(record.constant(value).number, nothing) for value in values)

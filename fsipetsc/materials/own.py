@@ -6,7 +6,7 @@ them become text of the C code. A law whose numbers are data is an instance of a
 with all formulas, as those in this folder.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from functools import cache, partial, reduce, wraps
 from typing import Any, NamedTuple
 
@@ -123,8 +123,14 @@ def solid_law(*, stress: Formula, energy: Formula | None = None) -> Any:
     return _law_of(OwnSolid, "solid_law", 0, **locals())
 
 
-@cache
 def _law_of(kind: type, maker: str, arguments: int, **formulas: Formula | None) -> Any:
+    """The law of functions, also of those without a hash, as numpy's polynomials. InputError."""
+    hashed = {k: f if isinstance(f, Hashable) else partial(f) for k, f in formulas.items()}
+    return _cached_law(kind, maker, arguments, **hashed)
+
+
+@cache
+def _cached_law(kind: type, maker: str, arguments: int, **formulas: Formula | None) -> Any:
     """The law of functions of so many numbers, 0: they are checked later, or None; one law for the
     same functions, so that gases of it may meet. InputError.
     """

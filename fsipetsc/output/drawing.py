@@ -264,7 +264,7 @@ class View:
         found = [(layer.kind, self.at(layer, frame)) for layer in self.layers]
         if not self.plane:
             for kind, of in found:
-                axes.plot(*of, color=COLORS[kind], label=kind)
+                axes.plot(*of, color=COLORS[kind], label=NAMES[kind])
             return
         axes.set_aspect("equal" if self.ratio <= 1 / THIN else "auto")
         axes.grid(visible=False)

@@ -14,7 +14,7 @@ from fsipetsc.checks import Array
 from fsipetsc.output import drawing
 from fsipetsc.output.info import Rows
 
-LINES = 24  # of the grid that are drawn, about, along each axis
+LINES = 24  # of the grid that are drawn, about, along the axis with most nodes
 #: what is between two blocks -> how it is drawn; conditions have a colour each
 BETWEEN: dict[str, dict[str, Any]] = {
     "join": {"color": drawing.BLACK, "linewidth": 1.2, "linestyle": (0, (4, 3)), "zorder": 4},
@@ -100,11 +100,11 @@ def draw_geometry(problem: BlockProblem, name: str, about: str) -> Path:
         return drawing.save(figure, Path(f"{name}-geometry.png"))
 
 
-def _lines(X: Array, most: int = 1) -> Iterator[Array]:
-    """Yield lines (n, d) of nodes along each axis: about so many of each, with 1 the edges."""
+def _lines(X: Array, apart: int | None = None) -> Iterator[Array]:
+    """Yield lines (n, d) of nodes along each axis, so many nodes apart; None: the edges."""
     for axis in range(X.ndim - 1):
         rows = np.moveaxis(X, axis, -2)
-        steps = [(n - 1, -(-(n - 1) // most)) for n in rows.shape[:-2]]
+        steps = [(n - 1, min(apart or n, n - 1)) for n in rows.shape[:-2]]
         some = [slice(last % step // 2, None, step) for last, step in steps]
         yield from rows[tuple(some)].reshape(-1, *rows.shape[-2:])
 
@@ -118,7 +118,8 @@ def _draw_block(view: drawing.Axes, problem: BlockProblem, k: int, styles: dict[
     d, label = X.ndim - 1, drawing.NAMES[block.kind]
     if d == 2:
         view.contourf(*X.T, 0.0 * X[..., 0].T, [-1, 1], colors=[color], alpha=0.15)
-    for line in _lines(X, LINES if d == 2 else 1):
+    apart = -(-max(max(one.cells) for one in problem.blocks) // LINES) if d == 2 else None
+    for line in _lines(X, apart):
         view.plot(*line.T, color=color, linewidth=0.5 * (d - 1), alpha=0.6, label=label)
     for (axis, side), (what, other) in _faces(problem, k).items():
         if what not in BETWEEN or other is None or other >= k:  # else it is drawn

@@ -273,7 +273,7 @@ class InterfaceLine:
         self.x, self.y, self.u, self.v, self.T = (layer[k].take(-side, -1 - axis) for k in "xyuvT")
         self.s = s = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(X), np.diff(Y)))])
         self.displacement = self.y - Y
-        if np.ptp(Y) > 1e-12 * s[-1] or X[-1] <= X[0]:
+        if np.ptp(Y) > 1e-12 * s[-1]:
             # along the face, into the solid is to the left (1) or to the right (-1)
             left = 1.0 if (axis == 0) == (side == 1) else -1.0
             X_s, Y_s = np.gradient([X, Y], s, axis=1, edge_order=2 if len(s) > 2 else 1)

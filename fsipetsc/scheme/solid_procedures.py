@@ -144,5 +144,5 @@ def note_ends(part, q, found):
         own, node = ends[m, 1], part.patch.ghosted_rows(ends[m, 1])
         S = 0.0 if part.prestress is None else part.prestress[0, node]
         (x,), (v,), F, T = state_at(part, row(3, q, own), own, node)
-        for c, value in enumerate((x, v, solid.line_stress(F) + S, T)):
+        for c, value in enumerate((x, v, solid.line_stress(F) + S - part.p_ref, T)):
             found.at_ends[c][ends[m, 0]] = value

@@ -96,7 +96,7 @@ def long_steps(now: Moment) -> list[str]:
     s = state.problem.unit("s")
     asked = f"-ts_dt {step:g}{s}" if opt["ts_dt"] else f"-fsi_cfl {opt['fsi_cfl']:g}"
     bound = f"the bound on the step at t = {t:g}{s}, {1 / rate:.3g}{s}"
-    return [f"{asked} is {step * rate:.3g} times {bound}, beyond which methods are unstable"]
+    return [f"{asked} is {step * rate:.3g} times {bound}, and few methods are stable far beyond it"]
 
 
 def imaginary_waves(now: Moment) -> list[str]:

@@ -42,11 +42,15 @@ class Past(NamedTuple):
                 )
 
 
+def options_kept(opt: Mapping[str, Any]) -> dict[str, str]:
+    """Options that must be the same at a restart, as text."""
+    lists = {name: list(of) if isinstance(of, tuple) else of for name, of in opt.items()}
+    return {f"-{name}": str(of) for name, of in lists.items() if name not in FREE}
+
+
 def facts(state: State, opt: Mapping[str, Any]) -> dict[str, str]:
     """What must be the same at a restart, in words -> as text."""
-    lists = {name: list(of) if isinstance(of, tuple) else of for name, of in opt.items()}
-    found = {f"-{name}": str(of) for name, of in lists.items() if name not in FREE}
-    found["the record of a step"] = str(state.journal.dtype)
+    found = {**options_kept(opt), "the record of a step": str(state.journal.dtype)}
     for layer, shape in zip(state.problem.layers, state.shapes, strict=True):
         known = {"kind": layer.kind, "shape": shape, **vars(layer.material)}
         plain = {k: str(of) for k, of in known.items() if isinstance(of, (str, int, float, tuple))}
@@ -82,7 +86,8 @@ def other_checkpoint(path: str, opt: Mapping[str, Any], past: Past | None) -> Pa
     if str(there) == os.path.realpath(opt["fsi_output"]):
         what = "that is where the result goes; give it another name"
         raise InputError(f"-fsi_checkpoint {path}: {what}")
-    check_folder(path)
+    for file in (opt["fsi_output"], path):
+        check_folder(file)
     if not there.exists() or (past is not None and there.samefile(past.path)):
         return None
     with suppress(FileError), opened(there, {"format": CHECKPOINT["format"]}):

@@ -28,8 +28,8 @@ from fsipetsc.options import Option
 from fsipetsc.process.together import Comm, together
 from fsipetsc.studies.trials import Study, reference
 
-#: least disturbance, as a fraction of what there is, its multiples and their weights, of order 6: so
-#: growth of energy is right to 3e-11 of the largest rate, also if p is a hundred times K
+#: least disturbance, as a fraction of what there is; its multiples and their weights, of order 6.
+#: So growth of energy is right to 3e-11 of the largest rate, also if p is a hundred times K
 NUDGE = 2.0**-8
 CENTRAL = (1, 3 / 4), (2, -3 / 20), (3, 1 / 60)
 #: what moves by less than this part of the rate of a mode is at rest
@@ -37,7 +37,7 @@ AT_REST = 1e-9
 OPTIONS = (
     Option("ring_angular", int, 2, "", "waves around a ring", check="nonnegative"),
     Option("modes_count", int, 10, "", "how many modes, slowest first", check="positive"),
-    Option("modes_near", float, 1.0, "1/s", "near this; ring, shell: slowest", check="positive"),
+    Option("modes_near", float, 1.0, "1/s", "next to it; ring, shell: unused", check="positive"),
 )
 #: case -> options that keep it in a steady state
 STEADY = {
