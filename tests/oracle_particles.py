@@ -77,6 +77,11 @@ class Particles(Volume):
     def _sticks(self, p):
         return any(self.blocks[f.block].material.mu > 0.0 for f in p.contact)
 
+    def _slides(self, f):
+        """Whether gas slips along a wall; without viscosity it does along any, but on a line."""
+        free = self.d > 1 and getattr(self.blocks[f.block].material, "mu", None) == 0.0
+        return isinstance(f.condition, (Slip, NoSlip) if free else Slip)
+
     def _group_slips(self, p):
         """Faces along which the gas slips, at walls or solids, are one constraint unless they meet
         at a concave edge. Where gas sticks to a solid, a roller of it holds both in the place of a
@@ -84,7 +89,7 @@ class Particles(Volume):
         sticks = self._sticks(p)
         found = [] if sticks else [*p.contact]
         rolls = [self._directions(f)[0] for f in p.outer if isinstance(f.condition, Roller)]
-        for f in (f for f in p.outer if isinstance(f.condition, Slip)):
+        for f in filter(self._slides, p.outer):
             if not (sticks and any(self._directions(f)[0] @ n > 0.8 for n in rolls)):
                 found.append(f)
         groups = []
@@ -152,7 +157,7 @@ class Particles(Volume):
         for f in p.outer:
             motion = self._motion(f, t)
             w, value = motion[1], motion[level]
-            if isinstance(f.condition, NoSlip) and level > 0:
+            if isinstance(f.condition, NoSlip) and level > 0 and not self._slides(f):
                 found += [Row(e, zero, e @ w, 0.0, e @ value) for e in unit]
             elif isinstance(f.condition, Clamped):
                 found += [Row(zero, e, 0.0, e @ w, e @ value) for e in unit]

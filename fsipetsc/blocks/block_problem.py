@@ -142,9 +142,9 @@ class BlockProblem:
         X[-1] *= np.where(image, -1.0, 1.0)
         return X
 
-    def face_normal(self, k: int, node: int, axis: int, side: int) -> tuple[Array, Array, Array]:
-        """At a node of a face, (d,) each: the outward unit normal of the reference map, the place X
-        of the node, and the mean place of its neighbours on the face; of a point, a place inwards.
+    def face_normal(self, k: int, node: int, axis: int, side: int) -> tuple[Array, Array]:
+        """At a node of a face: the outward unit normal (d,) of the reference map, and the unit
+        vectors (n, d) to its neighbours on the face; of a point, that inwards.
         """
         block, slopes, around = self.blocks[k], [], []
         index = np.array(np.unravel_index(node, block.shape, order="F"))[:, None]
@@ -154,10 +154,11 @@ class BlockProblem:
             steps = [s for s in (-1, 1) if closed or 0 <= index[along, 0] + s < n]
             places = [self.places_at(k, index + s * unit)[:, 0] for s in steps]
             slopes.append(np.mean([s * (X - here) for s, X in zip(steps, places)], axis=0))
-            around += places if along != axis else []
+            around += [X - here for X in places if along != axis]
         normal = np.linalg.inv(np.array(slopes))[:, axis] * (1.0 if side else -1.0)
         normal /= np.linalg.norm(normal)
-        return normal, here, np.mean(around, axis=0) if around else here - normal
+        beside = np.array(around or [-normal])
+        return normal, beside / np.linalg.norm(beside, axis=1, keepdims=True)
 
     @property
     def _forced(self) -> bool:

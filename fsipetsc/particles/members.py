@@ -21,7 +21,7 @@ import numpy as np
 
 from fsipetsc.blocks.block_problem import BlockFace, BlockProblem
 from fsipetsc.blocks.conditions import Clamped
-from fsipetsc.checks import Array, place_text
+from fsipetsc.checks import place_text
 from fsipetsc.errors import InputError
 
 SLIPS, ROLLS = 0, 1
@@ -119,8 +119,10 @@ class Particle:
 
     def slides(self, face: Face) -> bool:
         """Whether the condition of a face holds what is there along the face's normal alone."""
-        part = face.met.part
-        return face.met.slides or part == "roller" or (self.sticks and part == "wall")
+        met, problem = face.met, self._problem
+        gas = met.part == "wall" and problem.blocks[face.block].material
+        free = gas and (self.sticks or (gas.mu == 0.0 and problem.dimension > 1))
+        return bool(met.slides or met.part == "roller" or free)
 
     def mover(self, gas: bool) -> Face | None:
         """The face whose condition says how its gas moves, or else its solid."""
@@ -171,7 +173,7 @@ class Particle:
         """
         met, faces = face.met, self.faces
         name = "" if met.part == "roller" else met.part
-        name = "slip" if name == "wall" and (self.sticks or met.slides) else name
+        name = "slip" if name == "wall" and self.slides(face) else name
         if met.all_given:
             name = "given_gas" if gas else "given_solid"
         elif name in faces:
@@ -186,17 +188,12 @@ class Particle:
         sliding = [(problem.blocks[face.block].kind, face) for face in found if self.slides(face)]
         slips, rolls = ([face for of, face in sliding if of == kind] for kind in ("fluid", "solid"))
 
-        @cache
-        def directions(*face: int) -> tuple[Array, Array]:
-            """Outward unit normal, and unit vector from the node into the face."""
-            normal, place, within = problem.face_normal(*face)
-            into = within - place  # 0 in the middle of a face, where no other wall is
-            return normal, into / (np.linalg.norm(into) or 1.0)
+        directions = cache(problem.face_normal)
 
         def one_wall(one: Face, other: Face) -> bool:
             """Unless one goes into the other's gas."""
-            (n, into), (m, along) = directions(*one[:4]), directions(*other[:4])
-            return bool(min(into @ m, along @ n) > CONCAVE)
+            (n, beside), (m, along) = directions(*one[:4]), directions(*other[:4])
+            return bool(min(*(beside @ m), *(along @ n)) > CONCAVE)
 
         def one_roller(one: Face, other: Face) -> bool:
             return bool(directions(*one[:4])[0] @ directions(*other[:4])[0] > SMOOTH)
@@ -206,13 +203,10 @@ class Particle:
         else:
             slips = [*at_solids, *slips]
         for kind, faces, one in (SLIPS, slips, one_wall), (ROLLS, rolls, one_roller):
-            groups: list[list[Face]] = []  # of which each face is one with all others
+            groups = defaultdict[Any, list[Face]](list)  # faces that are one with the same others
             for face in faces:
-                fitting = (group for group in groups if all(one(face, other) for other in group))
-                if (group := next(fitting, None)) is None:
-                    groups.append(group := [])
-                group.append(face)
-            for group in groups:
+                groups[tuple(one(face, other) for other in faces)].append(face)
+            for group in groups.values():
                 walls_first = sorted(group, key=lambda face: isinstance(face.met, BlockFace))
                 self.constraints.append((kind, walls_first))
 
