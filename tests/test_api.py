@@ -28,7 +28,7 @@ first = fsipetsc.run("rod", h=0.1, max_steps=5, output="rod.h5")
 assert first.case == "rod" and first.options["fsi_h"] == 0.1 and len(first.series["t"]) == 5
 assert "OMPI_MCA_mpi_yield_when_idle" not in os.environ  # Open MPI knows if ranks have cores
 times = [0.03, 0.0300003, 0.1]
-own = fsipetsc.run(problem, h=0.05, max_time=0.1, output="own.h5", output_times=times)
+own = fsipetsc.run(problem, h=0.05, max_time=0.1, output="own.h5", output_times=np.array(times))
 assert list(own.time) == [0.0, *times] and set(times) <= {*own.series["t"]} and own.complete
 for case, options, said in (
     (problem, {"h": 0.05, "max_tim": 1.0}, "did you mean"),

@@ -1,12 +1,14 @@
 """Blocks of flat layers: what meets, what stands at the other faces."""
 
+import numpy as np
 import pytest
 
-from fsipetsc import Fluid, InputError
+from fsipetsc import Fluid, InputError, Problem, Solid, SolidLayer, free
 from fsipetsc.blocks import conditions as new
 from fsipetsc.blocks.block_problem import BlockFace
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.problem import blocks_of_line
 
 GAS, SOLID = Fluid(0.1, 0.1, 1.4, 1.0), ElasticSolid(1.0, 1.0, 0.1, 1.0, 1.0)
 
@@ -55,3 +57,22 @@ def test_what_layers_cannot_be():
         fit(gas((0.0, 0.5)), solid((0.6, 1.0)))
     with pytest.raises(InputError, match=r"0\.125 apart from 0 to 1"):
         fit(gas((0.0, 0.5)), solid((0.5, 1.0), span=[(0.1, 0.6)]))
+
+
+def test_initial_stress_that_is_short_against_its_layer():
+    """A pulse of stress alone, and one that is all strain: it leaves no prestress."""
+    K, X, width = 2e11, np.linspace(0.0, 1.0, 4001), 2e-3
+    pulse = lambda X: np.where(abs(X - 0.505) < 0.0045, 1e6, 0.0)  # noqa: E731
+    shift = lambda X: 1e-6 * width * np.exp(-(((X - 0.505) / width) ** 2))  # noqa: E731
+    slope = lambda X: -2.0 * (X - 0.505) / width**2 * shift(X)  # noqa: E731
+    for stress, x, left in (
+        (pulse, lambda X: X, pulse(X)),
+        (lambda X: K * np.log1p(slope(X)), lambda X: X + shift(X), 0.0 * X),
+    ):
+
+        def start(X, stress=stress, x=x):
+            return 0 * X, stress(X), 300.0 + 0 * X, x(X)
+
+        rod = SolidLayer("rod", Solid(K, 0.0, 7800.0, 450.0), (0.0, 1.0), start)
+        (block,) = blocks_of_line(Problem((rod,), free(), free()), 1 / 4000, 4).blocks
+        assert np.abs(block.prestress(X)[0] - left).max() < 10.0

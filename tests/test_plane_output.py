@@ -1,13 +1,16 @@
 """Results in two dimensions: XDMF, lines of interfaces, info, xarray, recorded points."""
 
 import xml.etree.ElementTree as ET
+from collections import UserDict
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from helpers import computed
 
 from fsipetsc.output.file_layout import open_h5
+from fsipetsc.output.reader import InterfaceLine
 
 #: gas | plate | gas, of which every kind of face is one: closed, and at rest but for a bump
 BOX = """
@@ -103,3 +106,11 @@ def test_recorded_nodes_are_those_of_the_frames_and_the_box_is_closed(box):
         assert box.summary["departures"][name] < 4e-15, name
     moved = plate["y"][-1] - plate.Y[:, None]
     assert np.abs(moved).max() > 1e-4  # or it would be no test
+
+
+def test_the_deflection_of_a_flat_face_is_along_y_whatever_its_direction():
+    places = np.stack(np.broadcast_arrays([1.0, 0.5, 0.0], [[0.0], [1.0]]), axis=-1)
+    plate = UserDict({name: places[None, ..., 1] + 0.1 for name in "xyuvT"})
+    plate.places = places
+    line = InterfaceLine(SimpleNamespace(layers=[plate]), "", 0, axis=1, side=1)
+    assert line.displacement == pytest.approx(0.1 + np.zeros((1, 3)))

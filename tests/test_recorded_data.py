@@ -13,6 +13,7 @@ from mpi4py import MPI
 import fsipetsc
 from fsipetsc import Fluid, FluidLayer, InputError, Problem, Wall
 from fsipetsc.blockrun.block_state import BlockState
+from fsipetsc.kernels.symbols import Record, derivatives, replay
 from fsipetsc.problem import blocks_of_line
 from fsipetsc.scheme.face_terms import Faces
 from fsipetsc.stepping.notes import BEGIN, Moment, notes
@@ -144,6 +145,18 @@ def test_bad_data_end_the_run_with_what_is_bad(kind, said, tmp_path):
     with fsipetsc.open_run(tmp_path / "run.h5") as run:
         assert 9 <= len(run.series["t"]) <= 11
         assert all(a < b for a, b in pairwise(run.series["t"]))
+
+
+def test_second_derivatives_are_right_where_numbers_rest():
+    """Also at t = 0, where t² rests; what is constant there has none, though a root is steep."""
+    t = (record := Record()).given("t")
+    for f, at, right in (
+        (lambda t: t * t / (1 + t * t), 0.0, 2.0),
+        (lambda t: np.sqrt(1 + t * t) + np.log1p(t * t) + np.cos(t) ** 0.3, 0.0, 2.7),
+        (lambda t: np.sqrt(np.maximum(t, 0.0)) / np.maximum(t, 0.0), -1.0, 0.0),
+    ):
+        (second,) = derivatives(derivatives((f(t),), t, still=True), t, still=True)
+        assert replay([record.constant(second)])({t: at})[0] == pytest.approx(right, rel=1e-14)
 
 
 #: place and velocity of walls that are as they should be

@@ -6,7 +6,11 @@ from functools import partial
 import numpy as np
 import oracle_formulas as formulas
 import pytest
+from block_ledgers import Steps
 
+from fsipetsc import Fluid
+from fsipetsc.blocks.conditions import Free, NoSlip
+from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.materials.own import solid_law
 from fsipetsc.materials.solid import LAWS, ElasticSolid
 from fsipetsc.materials.solid_pressure import gruneisen, mie_gruneisen
@@ -150,3 +154,17 @@ def test_an_impedance_turns_with_the_axes(law, most, d):
             for S in (np.eye(d), R)
         ]
         assert np.abs(R @ of_axes[0] - of_axes[1]).max() < most * np.linalg.norm(of_axes[0])
+
+
+@pytest.mark.parametrize("law", ["log", solid_law(stress=lambda F: (5e6 * np.log(F[0]),))])
+def test_stress_at_an_interface_has_p_ref(law):
+    """A solid at rest under 1e5 Pa, as results have it at the last node of the solid."""
+    solid = ElasticSolid(0.0, 5e6, 0.2, 1000.0, 1500.0, p_ref=1e5, law=law)
+    gas, start = Fluid(1.8e-5, 0.026, 1.4, 287.0), (1e5 / 287.0 / 300.0, 0.0, 300.0)
+    stack = (
+        Layer("gas", gas, (0.0, 1.0), lambda X: start, cells=8),
+        Layer("solid", solid, (1.0, 1.5), lambda X: (0.0, 300.0, X), cells=8),
+    )
+    with Steps(layers(*stack, lower=NoSlip(), upper=Free(1e5))) as run:
+        run.step(1e-5)
+        assert run.latest["sigma_interface"] == pytest.approx([-1e5], rel=1e-12)

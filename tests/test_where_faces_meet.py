@@ -8,6 +8,7 @@ from fsipetsc import Block, BlockProblem, Fluid, InputError
 from fsipetsc.blocks.conditions import Clamped, Free, NoSlip, Roller, Slip
 from fsipetsc.blocks.maps import rectangle
 from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.particles.members import particles_of
 
 GAS = Fluid(0.02, 0.03, 1.4, 1.0)
 SOLID = ElasticSolid(1.0, 2.0, 0.05, 2.0, 1.5, 0.3, "log", "elastic")
@@ -96,3 +97,42 @@ def test_shear_beside_a_wall_along_which_the_gas_slips():
     assert abs(came[1]) < 1e-9  # both push alike
     assert work["gas, axis 1, side 0"] == 0.0
     assert work["gas, axis 1, side 1"] == pytest.approx(GAS.mu * slope * 3e-3, rel=1e-6)
+
+
+def walls(lengths, turn=1):
+    """A box (0, 1, 1) … and a duct that ends in it: place in these lengths -> its slip walls."""
+    gas, blocks = Fluid(0.0, 0.0, 1.4, 1.0), []
+    for low in [(0, 0, 0), (0, 0, 1), (0, 1, 0), (0, 1, 1), (1, 0, 0)][::turn]:
+        box = rectangle(lengths * low, lengths * np.add(low, 1))
+        blocks.append(Block(str(low), gas, box, (2, 2, 2), lambda *X: (1.0, 0.0, 0.0, 0.0, 1.0)))
+    sides = {
+        (b.name, *face): b.face_positions(*face).mean(axis=1) for b in blocks for face in b.faces
+    }
+    alone = [one for one in sides if sum(np.allclose(sides[one], x) for x in sides.values()) == 1]
+    problem = BlockProblem(blocks, dict.fromkeys(alone, Slip()))
+    found = {}
+    for one in particles_of(problem):
+        place = problem.places(one.members[0][0], np.array([one.members[0][1]]))[0] / lengths
+        names = [{(blocks[f.block].name, f.axis) for f in faces} for _, faces in one.constraints]
+        found[tuple(place.round(9).tolist())] = sorted(map(sorted, names))
+    return found
+
+
+@pytest.mark.parametrize("lengths", [(1.0, 1.0, 1.0), (1.0, 0.2, 3.0)])
+def test_slip_walls_in_three_dimensions(lengths):
+    """Those that meet at right angles in the gas are two, whatever the cells are; what is one does
+    not depend on the order of blocks."""
+    found = walls(np.array(lengths))
+    assert found == walls(np.array(lengths), -1)
+    assert [len(found[place]) for place in ((0, 0, 0), (0, 0, 0.5), (0.5, 2, 2))] == [3, 2, 2]
+    assert [len(found[place]) for place in ((1, 1, 0.5), (1.5, 1, 1), (1, 1.5, 1.5))] == [1, 2, 1]
+    assert len(found[1, 1, 1]) >= 3
+
+
+def test_a_gas_without_viscosity_slips_along_any_wall():
+    flow = lambda X, Y: (1.0, 0.5, 0.0, 1.0)  # noqa: E731
+    gas, box = Fluid(0.0, 0.0, 1.4, 1.0), rectangle((0.0, 0.0), (1.0, 1.0))
+    layer = Block("gas", gas, box, (4, 8), flow, periodic=(True, False))
+    with Steps(BlockProblem((layer,), {("gas", 1, side): NoSlip() for side in (0, 1)})) as run:
+        run.step(1e-2, 5)
+        assert np.abs(run.saved(0)[:, 1] - 0.5).max() < 1e-14
