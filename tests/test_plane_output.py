@@ -112,5 +112,5 @@ def test_the_deflection_of_a_flat_face_is_along_y_whatever_its_direction():
     places = np.stack(np.broadcast_arrays([1.0, 0.5, 0.0], [[0.0], [1.0]]), axis=-1)
     plate = UserDict({name: places[None, ..., 1] + 0.1 for name in "xyuvT"})
     plate.places = places
-    line = InterfaceLine(SimpleNamespace(layers=[plate]), "", 0, axis=1, side=1)
+    line = InterfaceLine(SimpleNamespace(layers=[plate]), "", 0, axis=1, side=0)
     assert line.displacement == pytest.approx(0.1 + np.zeros((1, 3)))
