@@ -71,7 +71,7 @@ def test_drawn_pressure_is_what_gas_and_solid_have_in_common(results):
         for line, layer in zip(axes.lines, run.layers, strict=True):
             of = layer.frame(frame)
             expected = of["p"] if layer.kind == "fluid" else of["p"] - of["sigma"]
-            assert line.get_label() == layer.kind
+            assert line.get_label() == drawing.NAMES[layer.kind]
             assert np.array_equal(line.get_data(), [of["x"], expected], equal_nan=True)
     assert np.ptp(run.layers[1]["p"]) > 1  # Pa: the solid's own pressure counts
     nodes = f"order 4, {run.summary['points']:,} nodes, 1 rank"  # none in reserve

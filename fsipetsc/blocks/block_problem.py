@@ -171,8 +171,8 @@ class BlockProblem:
         return all(c.steady for c in self.outer_faces.values()) and not self._forced
 
     def loses(self, k: int) -> bool:
-        """Whether it is known what steps lose of the kinetic and elastic energy of block k: a solid
-        with heat 'elastic' whose motion no data replace and no pressure of its heat drives.
+        """Whether the energy that steps lose in block k is known. It is for a solid with heat
+        'elastic', if no data replace its motion and no pressure of its heat drives it.
         """
         block, conditions = self.blocks[k], self.kinds[k].values()
         stores = block.kind == "solid" and block.material.heat == "elastic"

@@ -186,7 +186,8 @@ class Periodic(Condition):
 
 @dataclass(frozen=True, kw_only=True)
 class NoSlip(Warm, Moving):
-    """A wall that a gas sticks to: insulated, of a given temperature, or with a given heat flux.
+    """A wall that a gas sticks to: insulated, of a given temperature, or with a given heat flux. A
+    gas without viscosity slips along it.
 
     Heat as of `Warm`, motion as of `Moving`. With a velocity and no x the wall slides along itself,
     such as a lid or a cylinder that turns.

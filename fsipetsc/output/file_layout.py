@@ -108,9 +108,9 @@ def opened(path: Path, kind: Mapping[str, Any]) -> Iterator[tuple[h5py.File, dic
     with damage(called), open_h5(path) as file:
         about = json.loads(file["about"][()] if "about" in file else "{}")
         if not kind.items() <= about.items():
-            own = f"{about.get('format', 'no file of fsipetsc')}, format {about.get('version')}"
-            what = f"{kind['format']}, format {kind.get('version')}"
-            raise FileError(f"{called}: expected a {what}; it is: {own}")
+            what = f"{kind['format'].split()[-1]} of fsipetsc in format {kind.get('version')}"
+            own = f"{about.get('format', 'file').split()[-1]} in format {about.get('version')}"
+            raise FileError(f"{called}: is not a {what}, but a {own}")
         yield file, about
 
 
