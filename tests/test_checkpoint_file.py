@@ -77,20 +77,6 @@ def goes_on(folder, *words, ranks=1):
     return done.stdout.partition("goes on from ")[2].partition(", t = ")[0]
 
 
-def test_a_file_that_cannot_be_gone_on_from_ends_all(stopped, tmp_path):
-    """Status 4, one message, nothing written."""
-    good = bytearray((stopped / NEWEST).read_bytes())
-    good[len(good) // 2] ^= 1
-    (tmp_path / NEWEST).write_bytes(good)
-    shutil.copy(stopped / "rod.h5", tmp_path / "result.h5")
-    before = contents(tmp_path)
-    said = {"none.h5": "there is no such file", "result.h5": "is not a checkpoint"}
-    said["auto"] = f"{NEWEST}: the file is damaged"
-    for name, words in said.items():
-        message(solve("rod", "-fsi_restart", name, cwd=tmp_path, ranks=3), 4, words)
-    assert contents(tmp_path) == before
-
-
 def test_what_cannot_change_is_named(stopped, tmp_path):
     for words in ("-fsi_order 6", "-fsi_h 0.025", "-fsi_viscous narrow", "-rod_wall 0.6"):
         done = solve("rod", "-fsi_restart", stopped / NEWEST, *words.split(), cwd=tmp_path)
