@@ -128,6 +128,11 @@ def rows_of(path: Path) -> list[dict[str, str]]:
     return list(csv.DictReader(path.read_text().splitlines()))
 
 
+def files(folder: Path) -> dict[str, bytes]:
+    """What the files of a folder hold, by name."""
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+
+
 def assert_same_fields(one: fsipetsc.Run, other: fsipetsc.Run) -> None:
     """All fields of two results have the same bits."""
     for a, b in zip(one.layers, other.layers, strict=True):

@@ -97,8 +97,6 @@ def test_in_processes_of_their_own(tmp_path):
     assert "MPI_ABORT" not in done.stderr and not list(tmp_path.iterdir())
 
 
-# faults of case files
-
 RIGHT = (REPOSITORY / "fsipetsc" / "cases" / "template.py").read_text()
 RIGHT_GAS = 'FluidLayer("right", air, (RIGHT, END), right_gas'
 LATER = ', forcing=lambda X, t: (0.0, 0.0 if t < 1.5e-5 else float("nan"), 0.0)'

@@ -181,7 +181,6 @@ def test_prestress(heat, monkeypatch):
     monkeypatch.setattr(solid_sweep, "TILES", ((7, 1), (6, 1), (6, 5)))
     both = Gas(mu=0.02, kappa=0.03), Solid("log", kappa=0.4, heat=heat, force=(0.3, -0.7))
     check("periodic", both, 4, stress=prestress)
-    check("three", ELASTIC, 4)
 
 
 @pytest.mark.parametrize(

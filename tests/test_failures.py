@@ -7,16 +7,12 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
-from helpers import REPOSITORY, assert_readable, launch, message, solve, well
+from helpers import REPOSITORY, assert_readable, files, launch, message, solve, well
 
 import fsipetsc
 from fsipetsc.cli import main
 from fsipetsc.stepping.notes import help_with
 from fsipetsc.stepping.run import Run
-
-
-def files(folder):
-    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
 
 
 def test_a_layer_that_becomes_too_short(tmp_path):
@@ -110,16 +106,15 @@ def test_an_error_of_a_function_ends_all_with_its_place(name, tmp_path):
             assert steps >= 10, "no function is asked for times that are still to come"
 
 
-def test_a_run_that_cannot_begin_touches_no_file(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    case, line = tmp_path / "mad.py", ("mad.py", "-mad_layers", "s", "-ts_max_steps", 1)
+def test_a_run_that_cannot_begin_touches_no_file(here):
+    case, line = here / "mad.py", ("mad.py", "-mad_layers", "s", "-ts_max_steps", 1)
     case.write_text(CASE.read_text())
-    well(solve(*line, cwd=tmp_path))
+    well(solve(*line, cwd=here))
     assert main(["plot", "mad.h5", "-streamlines"]) == 0  # there is no gas
     case.write_text(CASE.read_text().replace("1.0, X, Y", "1.0, X - 0.3 * np.sin(6 * X), Y"))
-    before = files(tmp_path)
-    message(solve(*line, cwd=tmp_path), 2, "the run cannot begin: J = -")
-    assert files(tmp_path) == before
+    before = files(here)
+    message(solve(*line, cwd=here), 2, "the run cannot begin: J = -")
+    assert files(here) == before
     with h5py.File("mad.h5", "r+") as file:  # as of a run that was killed at its start
         del file["layer0"], file["time"]
         file["time"] = np.zeros(0)
@@ -169,9 +164,6 @@ def test_a_run_goes_on_where_nothing_can_be_printed(into, tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
     with fsipetsc.open_run(tmp_path / "rod.h5") as result:
         assert result.complete and result.summary["steps"] == 300
-
-
-# solids beyond their law
 
 
 def test_a_rod_that_is_crushed(tmp_path):

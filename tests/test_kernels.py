@@ -8,8 +8,8 @@ import stat
 import subprocess
 import sys
 import time
+from collections import namedtuple
 from pathlib import Path
-from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -279,18 +279,7 @@ def test_twenty_cold_starts(ranks, tmp_path):
 # procedures: loops that are recorded and printed as C
 
 
-class Inner(NamedTuple):
-    table: Any
-    scale: float
-
-
-class Part(NamedTuple):
-    inner: Inner
-    at: Any
-    first: int
-    doubles: bool
-
-
+Inner, Part = namedtuple("Inner", "table scale"), namedtuple("Part", "inner at first doubles")
 PART = Part(Inner(np.arange(15.0).reshape(5, 3), 0.5), np.array([4, 0, 2]), 1, True)
 
 

@@ -32,11 +32,10 @@ def mie(rho, epsilon):
     return p_H + 2.1 * M0 * (epsilon - ALPHA * T_0 - 0.5 * p_H * (1 / M0 - 1 / rho))
 
 
-MIE = mie_gruneisen(5350.0, 1.34, 2.1, T_0)
 #: p(rho, epsilon) as the literature has it, and the solid
 SOLIDS = {
     "gruneisen": (lambda rho, epsilon: 0.8 * rho * epsilon, Solid(**ROCK, pressing=gruneisen(0.8))),
-    "mie": (mie, Solid(**ROCK, pressing=MIE)),
+    "mie": (mie, Solid(**ROCK, pressing=mie_gruneisen(5350.0, 1.34, 2.1, T_0))),
 }
 
 
@@ -86,8 +85,6 @@ def test_sutherland_and_a_power_of_the_temperature():
     powers = relative(transport_law(lambda T: (T / 273) ** 0.67), T)
     np.testing.assert_array_equal(powers, [(T / 273) ** 0.67] * 2)
 
-
-# laws that cases bring
 
 R = 287.0
 GAS = {

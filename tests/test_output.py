@@ -145,9 +145,6 @@ def test_reading_needs_numpy_and_h5py_only(whole):
     assert done.stdout == "rod (13, 11) (13, 11)\n", done.stderr
 
 
-# damaged files
-
-
 def readable(path):
     """Whether all of it can be read; the error that is raised else has one line."""
     try:
