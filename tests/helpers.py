@@ -102,8 +102,7 @@ def compute(
 
 def computed(folder: Path, name: str, *words: object, ranks: int = 1) -> fsipetsc.Run:
     """The result folder/name of a run of the program on so many ranks, opened."""
-    done = solve(*words, "-fsi_output", name, "-fsi_quiet", cwd=folder, ranks=ranks)
-    assert (done.returncode, done.stderr) == (0, ""), done.stderr
+    well(solve(*words, "-fsi_output", name, "-fsi_quiet", cwd=folder, ranks=ranks))
     return fsipetsc.open_run(folder / name)
 
 

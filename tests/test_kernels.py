@@ -110,9 +110,6 @@ def test_what_cannot_be_recorded_is_refused_with_its_line(words):
     assert f"{code.co_name}, {code.co_filename}:{code.co_firstlineno}: " in said
 
 
-# building
-
-
 def simple():
     text = unit("double twice(double x) { return 2.0 * x; }")
     return {build.name_of(text): text}

@@ -18,8 +18,6 @@ from fsipetsc.materials.stiffened_gas import PerfectGas, stiffened_gas
 from fsipetsc.materials.sutherland import sutherland
 from fsipetsc.scheme.gas_terms import convection_of
 
-# the pressure of a solid in one dimension
-
 ROCK = {"K": 3e9, "kappa_e": 2.0, "m0": 2700.0, "alpha": 900.0}
 M0, ALPHA, T_0 = ROCK["m0"], ROCK["alpha"], 300.0
 SIZE = M0 * 5e3**2  # of a pressure: that of waves of 5000 m/s
@@ -62,9 +60,6 @@ def test_pressure_of_a_solid(name, T, x_X):
         A[1:, 0] = solid.K / x_X, (sigma - p) / (ALPHA * M0), 1.0
         c = np.max(np.linalg.eigvals(A).real)
         assert solid.sound_speed(x_X, T, sigma) == pytest.approx(c, rel=1e-8)
-
-
-# viscosity and conductivity of a gas
 
 
 def relative(law, T):
