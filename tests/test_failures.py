@@ -153,13 +153,11 @@ def test_a_restart_whose_data_fail(tmp_path):
         assert files(tmp_path) == before
 
 
-#: prints far more than what one who leaves after a line has read, in many writes
-COMPUTES = f"{sys.executable} -m fsipetsc rod -fsi_h 0.1 -ts_max_steps 300 -ts_monitor"
-
-
 @pytest.mark.parametrize("into", [">/dev/full", "| head -n 0; exit ${PIPESTATUS[0]}"])
 def test_a_run_goes_on_where_nothing_can_be_printed(into, tmp_path):
-    well(launch(["bash", "-c", f"{COMPUTES} {into}"], tmp_path))
+    """It prints far more than what one who leaves after a line has read, in many writes."""
+    line = f"{sys.executable} -m fsipetsc rod -fsi_h 0.1 -ts_max_steps 300 -ts_monitor {into}"
+    well(launch(["bash", "-c", line], tmp_path))
     with fsipetsc.open_run(tmp_path / "rod.h5") as result:
         assert result.complete and result.summary["steps"] == 300
 
