@@ -102,8 +102,7 @@ def compute(
 
 def computed(folder: Path, name: str, *words: object, ranks: int = 1) -> fsipetsc.Run:
     """The result folder/name of a run of the program on so many ranks, opened."""
-    done = solve(*words, "-fsi_output", name, "-fsi_quiet", cwd=folder, ranks=ranks)
-    assert (done.returncode, done.stderr) == (0, ""), done.stderr
+    well(solve(*words, "-fsi_output", name, "-fsi_quiet", cwd=folder, ranks=ranks))
     return fsipetsc.open_run(folder / name)
 
 
@@ -126,6 +125,11 @@ def on_ranks(folder: Path, line: str, *ranks: int) -> fsipetsc.Run:
 def rows_of(path: Path) -> list[dict[str, str]]:
     """The rows of a CSV file, by names of columns."""
     return list(csv.DictReader(path.read_text().splitlines()))
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    """What the files of a folder hold, by name."""
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
 
 
 def assert_same_fields(one: fsipetsc.Run, other: fsipetsc.Run) -> None:

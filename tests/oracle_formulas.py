@@ -1,8 +1,7 @@
 """What the oracle of blocks (block_oracle.py) is made of: materials, conditions, formulas at a
 point, SBP matrices.
 
-Fields are numpy arrays with their components in front. Nothing here is shared with the engine but
-the exact SBP coefficients."""
+Fields are numpy arrays with their components in front."""
 
 from collections import namedtuple
 from collections.abc import Callable

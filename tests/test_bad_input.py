@@ -53,6 +53,8 @@ LINES = [
     ("rod -fsi_output b.h5 -fsi_checkpoint b.h5", 2, "b.h5…that is where the result goes"),
     ("rod -fsi_checkpoint text.h5", 4, "text.h5: exists, and is no checkpoint of fsipetsc, or"),
     ("rod -fsi_restart rod.h5", 4, "rod.h5: …is not a checkpoint"),
+    ("rod -fsi_restart none.h5", 4, "none.h5: there is no such file"),
+    ("mms -fsi_restart auto", 4, "mms.checkpoint.h5: the file is damaged"),
     ("new mine.py", 4, "mine.py: File exists"),
     ("new rod.py", 2, "'rod.py' is no name of a case file"),
     ("new run.h5", 2, "expected one that ends in .py"),
@@ -72,6 +74,9 @@ def folder(tmp_path_factory):
     for name, text in FILES.items():
         (folder / name).write_text(text)
     write_checkpoint(folder / "a.checkpoint.h5", {}, {})
+    damaged = bytearray((folder / "a.checkpoint.h5").read_bytes())
+    damaged[len(damaged) // 2] ^= 1
+    (folder / "mms.checkpoint.h5").write_bytes(damaged)
     computed(folder, "rod.h5", *"rod -fsi_coupling projection -fsi_h 0.1 -ts_max_steps 1".split())
     return folder
 
@@ -91,8 +96,6 @@ def test_in_processes_of_their_own(tmp_path):
     message(done, 2, "did you mean -fsi_order?")
     assert "MPI_ABORT" not in done.stderr and not list(tmp_path.iterdir())
 
-
-# faults of case files
 
 RIGHT = (REPOSITORY / "fsipetsc" / "cases" / "template.py").read_text()
 RIGHT_GAS = 'FluidLayer("right", air, (RIGHT, END), right_gas'

@@ -125,9 +125,6 @@ def test_the_entropy_of_gases_may_fall_where_solids_take_heat(kappa):
     assert problem.invariants["entropy"] == (kappa == 0.0)
 
 
-# messages
-
-
 def square(name="a", lower=(0.0, 0.0), upper=(1.0, 1.0), **changed):
     """A block of gas, or one with something else or wrong."""
     given = {"material": GAS, "map": maps.rectangle(lower, upper), "cells": (8, 8)}

@@ -36,17 +36,14 @@ OPTIONS_FILES = {
 #: cases of one's own
 OWN_CASES = {path.relative_to(REPOSITORY).as_posix(): path for path in REPOSITORY.glob("runs/*.py")}
 FENCED = re.compile(r"^```(\w*)$(.*?)^```$", re.S | re.M)
-#: texts of the templates and of the cases that stand in runs/
-CASE_FILES = [
-    path.read_text()
-    for pattern in ("runs/*.py", "fsipetsc/cases/template*.py")
-    for path in REPOSITORY.glob(pattern)
-]
+#: texts of the cases that stand in runs/ and of the templates
+CASE_FILES = *OWN_CASES.values(), *REPOSITORY.glob("fsipetsc/cases/template*.py")
+CASE_TEXTS = "\n".join(path.read_text() for path in CASE_FILES)
 
 
 @cache
 def known_options() -> frozenset[str]:
-    """Names of options that -help of cases and commands tells, and of those of CASE_FILES."""
+    """Names of options that -help of cases and commands tells, and of those of CASE_TEXTS."""
     from fsipetsc.cases import BUILT_IN
     from fsipetsc.cli import COMMANDS, main
 
@@ -54,7 +51,7 @@ def known_options() -> frozenset[str]:
         for name in (*BUILT_IN, *COMMANDS, "convergence mms", *map(str, OWN_CASES.values())):
             assert main([*name.split(), "-help"]) == 0
     told = re.findall(r"(?<![\w-])-([A-Za-z]\w*)", said.getvalue())
-    of_files = re.findall(r'Option\(\s*(?:\*\()?"(\w+)"', "\n".join(CASE_FILES))
+    of_files = re.findall(r'Option\(\s*(?:\*\()?"(\w+)"', CASE_TEXTS)
     return frozenset(told) | frozenset(of_files) | {"n", "m", "help"}
 
 

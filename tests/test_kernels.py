@@ -8,25 +8,19 @@ import stat
 import subprocess
 import sys
 import time
+from collections import namedtuple
 from pathlib import Path
-from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 from helpers import PATIENCE, REPOSITORY, environment, message, mpirun, recorded, solve, well
 
-from fsipetsc.equations.gas import Gas
 from fsipetsc.errors import InputError
 from fsipetsc.kernels import build
-from fsipetsc.kernels.kernel import PLANES, Kernel, floats_of
+from fsipetsc.kernels.kernel import PLANES, Kernel
 from fsipetsc.kernels.loops import each, number, otherwise, pick, stop, variable, when, whole
 from fsipetsc.kernels.procedure import unit
 from fsipetsc.kernels.symbols import MADE, Record, derivatives, exact, replay
-from fsipetsc.materials.stiffened_gas import PerfectGas
-from fsipetsc.materials.sutherland import ConstantTransport
-from fsipetsc.operators.slopes import Stencil
-from fsipetsc.scheme.gas_sweep import gas_kernels
-from fsipetsc.scheme.gas_terms import convection_of
 
 
 @pytest.fixture
@@ -85,17 +79,6 @@ def test_equal_operations_are_done_once_and_products_are_fused():
     assert Record().apply("*", 1e300, 1e300).value == np.inf  # without a warning
 
 
-def test_material_numbers_are_arguments_and_not_text():
-    def text(mu, kappa, gamma):
-        gas = Gas(PerfectGas(gamma, 287.0), ConstantTransport(), mu, kappa, (0.0, 0.0))
-        kernels = gas_kernels(gas, 2, convection_of("entropy", gas), True, True, Stencil(2, 3))
-        found = kernels.load, kernels.near_pairs, kernels.far_pairs, *kernels.fluxes
-        return [kernel.text for kernel in found], floats_of(gas)
-
-    one, other = text(1e-3, 0.02, 1.4), text(2e-3, 0.01, 5 / 3)
-    assert one[0] == other[0] and one[1] != other[1]
-
-
 def test_derivatives_are_those_of_the_formula():
     at, record = (1.3, 0.7, 0.9), Record()
     x = [record.given(f"x{k}") for k in range(3)]
@@ -125,9 +108,6 @@ def test_what_cannot_be_recorded_is_refused_with_its_line(words):
     said, code = str(error.value), formula.__code__
     assert words in said
     assert f"{code.co_name}, {code.co_filename}:{code.co_firstlineno}: " in said
-
-
-# building
 
 
 def simple():
@@ -257,17 +237,6 @@ def test_a_home_that_cannot_be_written_costs_a_warning(tmp_path):
     assert done.stderr.count("warning: cannot keep compiled kernels in /proc/none/.cache") == 1
 
 
-def test_what_is_compiled_on_one_rank_serves_all(tmp_path):
-    """No rank has all the conditions, whose data depend on time."""
-    env = {"FSIPETSC_CACHE": str(tmp_path / "cache"), "CFLAGS": "-O0"}
-    case = str(REPOSITORY / "tests" / "timed.py"), "-timed_kind", "ends"
-    well(mpirun(1, "-m", "fsipetsc", "compile", *case, cwd=tmp_path, env=env))
-    made = sorted((tmp_path / "cache").iterdir())
-    words = *case, "-ts_max_steps", 2, "-fsi_quiet"
-    well(mpirun(3, "-m", "fsipetsc", *words, cwd=tmp_path, env=env))
-    assert sorted((tmp_path / "cache").iterdir()) == made
-
-
 def test_the_text_of_kernels_is_kept_and_found(tmp_path):
     said = well(solve("compile", "rod", "-fsi_debug", cwd=tmp_path)).stdout
     paths = re.findall("C text of kernels: (.*)", said)
@@ -307,18 +276,7 @@ def test_twenty_cold_starts(ranks, tmp_path):
 # procedures: loops that are recorded and printed as C
 
 
-class Inner(NamedTuple):
-    table: Any
-    scale: float
-
-
-class Part(NamedTuple):
-    inner: Inner
-    at: Any
-    first: int
-    doubles: bool
-
-
+Inner, Part = namedtuple("Inner", "table scale"), namedtuple("Part", "inner at first doubles")
 PART = Part(Inner(np.arange(15.0).reshape(5, 3), 0.5), np.array([4, 0, 2]), 1, True)
 
 

@@ -18,8 +18,6 @@ from fsipetsc.materials.stiffened_gas import PerfectGas, stiffened_gas
 from fsipetsc.materials.sutherland import sutherland
 from fsipetsc.scheme.gas_terms import convection_of
 
-# the pressure of a solid in one dimension
-
 ROCK = {"K": 3e9, "kappa_e": 2.0, "m0": 2700.0, "alpha": 900.0}
 M0, ALPHA, T_0 = ROCK["m0"], ROCK["alpha"], 300.0
 SIZE = M0 * 5e3**2  # of a pressure: that of waves of 5000 m/s
@@ -32,11 +30,10 @@ def mie(rho, epsilon):
     return p_H + 2.1 * M0 * (epsilon - ALPHA * T_0 - 0.5 * p_H * (1 / M0 - 1 / rho))
 
 
-MIE = mie_gruneisen(5350.0, 1.34, 2.1, T_0)
 #: p(rho, epsilon) as the literature has it, and the solid
 SOLIDS = {
     "gruneisen": (lambda rho, epsilon: 0.8 * rho * epsilon, Solid(**ROCK, pressing=gruneisen(0.8))),
-    "mie": (mie, Solid(**ROCK, pressing=MIE)),
+    "mie": (mie, Solid(**ROCK, pressing=mie_gruneisen(5350.0, 1.34, 2.1, T_0))),
 }
 
 
@@ -65,9 +62,6 @@ def test_pressure_of_a_solid(name, T, x_X):
         assert solid.sound_speed(x_X, T, sigma) == pytest.approx(c, rel=1e-8)
 
 
-# viscosity and conductivity of a gas
-
-
 def relative(law, T):
     """mu(T)/mu, kappa(T)/kappa of a gas with this law."""
     transport = Fluid(1.0, 1.0, 1.4, 287.0, transport=law).transport_law
@@ -86,8 +80,6 @@ def test_sutherland_and_a_power_of_the_temperature():
     powers = relative(transport_law(lambda T: (T / 273) ** 0.67), T)
     np.testing.assert_array_equal(powers, [(T / 273) ** 0.67] * 2)
 
-
-# laws that cases bring
 
 R = 287.0
 GAS = {

@@ -68,12 +68,9 @@ def test_interval_and_times_of_output_replace_each_other(read):
 
 
 def test_overview_lists_cases_and_commands_without_importing_the_solver():
-    """So that it takes no time that could be noticed."""
     code = "import sys; old = set(sys.modules); from fsipetsc.cli import main; main([]); "
     done = run("-c", code + "print(*sorted(set(sys.modules) - old), file=sys.stderr)")
     assert done.returncode == 0
-    for word in ("Cases", "rod", "mms", "pulse", "Commands", "info RUN.h5", "plot RUN.h5"):
-        assert word in done.stdout
     loaded = {name.split(".")[0] for name in done.stderr.split()}
     assert not loaded & {"petsc4py", "mpi4py", "scipy", "h5py", "matplotlib"}
     assert max(map(len, done.stdout.splitlines())) <= 100
@@ -82,7 +79,7 @@ def test_overview_lists_cases_and_commands_without_importing_the_solver():
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ("", ["Cases"]),
+        ("", ["Cases", "rod", "mms", "pulse", "Commands", "info RUN.h5", "plot RUN.h5"]),
         ("-h", ["Cases"]),
         ("rod -help -fsi_h x", ["-rod_gravity", "float -10 [m/s2]", "2, 4, 6, 8", "-fsi_h float"]),
         ("plot --help", ["plot RUN.h5 [-o DIR|FILE]"]),

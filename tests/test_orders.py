@@ -96,8 +96,6 @@ def test_dimensions(d, tmp_path):
     assert np.all(combined(fine) < 2e-3)
 
 
-# layers with a spacing of their own
-
 #: box_mms, whose second layer has a spacing of its own
 OWN = """
 from dataclasses import replace

@@ -1,6 +1,6 @@
 """Around an axis or a centre, too, rates are the oracle's (block_oracle.py), and keep the sums."""
 
-from typing import NamedTuple
+from collections import namedtuple
 
 import block_shapes as shapes
 import numpy as np
@@ -12,6 +12,8 @@ from oracle_formulas import Problem
 
 #: dimension, number of coordinates around: a sphere, and (z, r)
 SPHERE, PLANE = (1, 2), (2, 1)
+#: a condition that the oracle does not know: there a block goes on to -r
+Centre = namedtuple("Centre", "")
 
 
 def shell(d, n, centre):
@@ -49,10 +51,6 @@ def mirrored(oracle, q):
             np.concatenate([image[..., :half], q[of][..., half:]], axis=-1) if name == of else image
         )
     return found
-
-
-class Centre(NamedTuple):
-    """The oracle does not know it: there a block goes on to -r."""
 
 
 def engine_of(oracle, kappa, centre):

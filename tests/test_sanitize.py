@@ -7,12 +7,11 @@ watched: an access beyond an array is found, but for the up to 64 bytes beside i
 anything is stored there fails. A finding does not end a test; all are reported at the end."""
 
 import subprocess
-import sys
 from functools import cache
 from pathlib import Path
 
 import pytest
-from helpers import REPOSITORY, launch
+from helpers import REPOSITORY, run
 
 #: of what computes. Not test_kernels, which has compilers of its own and damages a library
 COMPUTING = (
@@ -68,8 +67,7 @@ def watched(folder: Path, *words: object) -> list[str]:
         "ASAN_OPTIONS": f"{told}:detect_leaks=0:{NAN_IN_NEW_MEMORY}",
         "UBSAN_OPTIONS": told,
     }
-    command = [sys.executable, *map(str, words)]
-    done = launch(command, REPOSITORY / "tests", environment)
+    done = run(*words, cwd=REPOSITORY / "tests", env=environment)
     assert done.returncode == 0, done.stdout + done.stderr
     return [path.read_text() for path in folder.glob("found.*")]
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, compute, on_ranks
+from helpers import REPOSITORY, compute, computed, on_ranks
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from fsipetsc import Piecewise
@@ -60,8 +60,7 @@ def test_a_wave_of_air_under_gravity(tmp_path):
 
 def test_a_flow_over_a_ramp(tmp_path):
     """Pressures are those of theory; wall heating and over-expansion as on finer grids."""
-    words = "-ramp_wall rigid -fsi_h 0.0625"
-    run = compute(1, tmp_path, {"ramp": (str(RUNS / "ramp.py"), words)})["ramp"]
+    run = computed(tmp_path, "a.h5", RUNS / "ramp.py", "-ramp_wall", "rigid", "-fsi_h", 0.0625)
     p_2, T_2, p_3 = 1.7065786, 1.1701513, 1.0026427
     on, behind = (run.blocks[f"gas {k}"] for k in (1, 2))
     middle = (on.X[0] > 0.5) & (on.X[0] < 0.9)

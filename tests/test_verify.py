@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, program, rows_of, solve
+from helpers import REPOSITORY, program, rows_of, solve, well
 
 from fsipetsc.cases import load_case
 from fsipetsc.options import defaults
@@ -81,8 +81,7 @@ def test_entries_say_all_that_another_code_needs():
 def test_entries_as_they_run(tmp_path):
     """The elastic piston; beams, whose frequencies have no steps; a tube that has but a page."""
     words = "verify elastic_piston beam shock_on_panel -verify_docs pages".split()
-    done = solve(*words, cwd=tmp_path, ranks=2)
-    assert done.returncode == 0, done.stdout + done.stderr
+    done = well(solve(*words, cwd=tmp_path, ranks=2))
     assert "only with -verify_level full" in done.stdout
     rows = rows_of(tmp_path / "verify.csv")
     assert "6 converge, 4 hold, 0 fall short of 10 rows" in done.stdout
