@@ -105,7 +105,7 @@ SWEEPS = {
     "rod -fsi_coupling projection": ("-fluid_mu {} -solid_modulus {}e6", "0.1 0.05"),
     "blast": ("-fluid_mu {}e-3 -solid_modulus {}0", "0.0625 0.05"),
     "shell": ("-solid_mu {}", "0.05 0.025"),
-    "piston": ("-piston_time 0.0{}", "0.025 0.02"),
+    "piston": ("-fluid_mu 0.0{}", "0.025 0.02"),
     "box_mms -box_dimension 3": ("-fluid_mu {}e-2", "0.125 0.1"),
     "rod": ("-fluid_mu {}", "0.1 0.05"),
     "box -fsi_dissipation 1": ("-fluid_mu 0.{0} -fluid_kappa {0} -fluid_gamma 1.{0}", "0.1 0.05"),
