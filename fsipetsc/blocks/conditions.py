@@ -186,11 +186,10 @@ class Periodic(Condition):
 
 @dataclass(frozen=True, kw_only=True)
 class NoSlip(Warm, Moving):
-    """A wall that a gas sticks to: insulated, of a given temperature, or with a given heat flux. A
-    gas without viscosity slips along it.
+    """A wall that a gas sticks to: insulated, of a given temperature, or with a given heat flux.
 
     Heat as of `Warm`, motion as of `Moving`. With a velocity and no x the wall slides along itself,
-    such as a lid or a cylinder that turns.
+    as a lid or a cylinder that turns. A gas without viscosity slips along any wall.
 
     Args:
         slip_length: length [m] with which the gas slips along the wall, a number or a function of

@@ -124,9 +124,7 @@ class Solid(NamedTuple):
         return tuple(entry for row in tensors.rows(self.full_stress(F, T))[:d] for entry in row[:d])
 
     def line_stress(self, F):
-        """Stress of the law in one dimension, around an axis or a centre that of Cauchy, with p_ref
-        where that is no part of it [Pa].
-        """
+        """Stress of the law in one dimension [Pa]; around an axis or a centre Cauchy's."""
         stress = self.law.stress(self.tensor(F))[0]
         return stress * F[0] / self.volume(F) if self.around else stress
 

@@ -296,9 +296,8 @@ _STEEP = frozenset({"/", "sqrt", "log", "log1p", "pow", "arctan2"})
 def derivatives(values: Sequence[Any], by: Symbol, still: bool = False) -> tuple[Any, ...]:
     """The derivative of each symbol (or number) of ``values`` by one symbol, by forward mode.
 
-    still: what is made of numbers that do not change does not change either, where its slope is
-    infinite, as that of the root of np.maximum(t, 0) before t = 0. Elsewhere nothing is left out,
-    so that second derivatives are right also where numbers rest for an instant.
+    still: where its slope is infinite, what is made of numbers that do not change does not change
+    either, as the root of np.maximum(t, 0) before t = 0.
     """
     record = by.record
     one, nothing = record.constant(1.0), record.constant(0.0)

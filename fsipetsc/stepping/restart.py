@@ -41,16 +41,19 @@ class Past(NamedTuple):
                     "restart; options that are left out are those of the checkpoint"
                 )
 
+    def check_options(self, opt: Mapping[str, Any]) -> None:
+        """The same for options alone, before they make a grid, which may be none."""
+        self.check({**self.header["facts"], **_options(opt)})
 
-def options_kept(opt: Mapping[str, Any]) -> dict[str, str]:
-    """Options that must be the same at a restart, as text."""
+
+def _options(opt: Mapping[str, Any]) -> dict[str, str]:
     lists = {name: list(of) if isinstance(of, tuple) else of for name, of in opt.items()}
     return {f"-{name}": str(of) for name, of in lists.items() if name not in FREE}
 
 
 def facts(state: State, opt: Mapping[str, Any]) -> dict[str, str]:
     """What must be the same at a restart, in words -> as text."""
-    found = {**options_kept(opt), "the record of a step": str(state.journal.dtype)}
+    found = {**_options(opt), "the record of a step": str(state.journal.dtype)}
     for layer, shape in zip(state.problem.layers, state.shapes, strict=True):
         known = {"kind": layer.kind, "shape": shape, **vars(layer.material)}
         plain = {k: str(of) for k, of in known.items() if isinstance(of, (str, int, float, tuple))}

@@ -34,14 +34,7 @@ from fsipetsc.scheme.plan import RATE, longest_step
 from fsipetsc.state import State
 from fsipetsc.stepping.integrator import KEPT, Integrator
 from fsipetsc.stepping.notes import BEGIN, END, FRAME, Moment, long_steps, notes, of_laws
-from fsipetsc.stepping.restart import (
-    Past,
-    checkpoint_name,
-    facts,
-    find_past,
-    options_kept,
-    other_checkpoint,
-)
+from fsipetsc.stepping.restart import Past, checkpoint_name, facts, find_past, other_checkpoint
 
 #: before the place of what a run that failed has computed
 REMAINS = "; what was computed before is in "
@@ -83,8 +76,8 @@ def run_given(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> dict[str, 
     """
     past = find_past(case, given, comm)
     options = read_options(case, given, inherited=past.header["options"] if past else {})
-    if past is not None:  # also where the options make a grid that cannot be
-        past.check({**past.header["facts"], **options_kept(options)})
+    if past is not None:
+        past.check_options(options)
     announce = (lambda text: None) if options["fsi_quiet"] else say
     with make_state(build_problem(case, options, comm), options, comm, announce) as state:
         if past is not None:
