@@ -128,10 +128,9 @@ class GasPart(BlockPart):
 
     def fields(self, q: Array) -> Array:
         """(M, 2d + 4), saved of owned nodes: rho, u, T, p, J over that of the reference map, x."""
-        own = self.owned
-        w, J = self.laws.primitive(tuple(q[own].T)), q[own, 0] / self.reference
+        w, J = self.laws.primitive(tuple(q[self.owned].T)), q[self.owned, 0] / self.reference
         self.does["find_places"]()
-        x = self.places[:, own]
+        x = self.places[:, self.owned]
         return np.stack([w[0], *self.laws.velocity(w), w[2], w[1], J, *x], axis=-1)
 
 

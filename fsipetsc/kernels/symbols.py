@@ -297,7 +297,7 @@ def derivatives(values: Sequence[Any], by: Symbol, still: bool = False) -> tuple
     """The derivative of each symbol (or number) of ``values`` by one symbol, by forward mode.
 
     still: where its slope is infinite, what is made of numbers that do not change does not change
-    either, as the root of np.maximum(t, 0) before t = 0.
+    either, as the root of np.maximum(t, 0) before t = 0. There 0 times infinity is no number.
     """
     record = by.record
     one, nothing = record.constant(1.0), record.constant(0.0)
@@ -310,8 +310,7 @@ def derivatives(values: Sequence[Any], by: Symbol, still: bool = False) -> tuple
         moving = [part for part in changes if part is not nothing]
         if still and symbol.operation in _STEEP and all(part.value is None for part in moving):
             rests = reduce(np.logical_and, [part == 0.0 for part in moving])
-            no_number = change != change  # 0 times infinity
-            change = record.constant(np.where(rests & no_number, 0.0, change))
+            change = record.constant(np.where(rests & (change != change), 0.0, change))
         if change is not nothing:
             found[symbol.number] = change
     return tuple(found.get(record.constant(value).number, nothing) for value in values)
