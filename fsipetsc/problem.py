@@ -260,8 +260,7 @@ def _forces_alone(layer: Any) -> Function:
 def _prestress(layer: Any, cells: int) -> Function:
     """What the initial stress of a solid is beside K ln x_X [Pa]: a function of X.
 
-    x_X is that of polynomials of sixth degree through x, in steps of a thousandth of the layer, or
-    of half a cell if that is less.
+    x_X is that of polynomials of sixth degree through x, in steps of half a cell at most.
     """
     (low, high), initial, K = layer.X, layer.initial, layer.material.K
     step, points = min(1e-3, 0.5 / cells) * (high - low), np.arange(-3.0, 4.0)

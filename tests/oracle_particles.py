@@ -8,8 +8,8 @@ import numpy as np
 from oracle_formulas import Clamped, Given, NoSlip, Open, Roller, Row, Slip, rate_of
 from oracle_volume import Volume
 
-#: two faces are walls of their own where one goes into the other's gas by more than 30 degrees
-CONCAVE = -0.5
+#: two faces are walls of their own where one goes into the other's gas by 30 degrees or more
+CONCAVE = -0.499
 STEP = 1e-5  # of differences of a wall's velocity in time
 #: one face at one node, with its condition (None where it meets another face)
 Face = namedtuple("Face", "block axis side node condition")

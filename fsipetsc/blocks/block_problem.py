@@ -2,13 +2,13 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
 
 from fsipetsc.blocks.block import Block, Range, mesh, size_of
-from fsipetsc.blocks.conditions import Centre, Condition, Hinge
+from fsipetsc.blocks.conditions import Centre, Condition, Hinge, NoSlip
 from fsipetsc.blocks.faces import BlockFace, FaceName, meet, united
 from fsipetsc.checks import Array, check, described, place_text
 from fsipetsc.errors import InputError
@@ -61,6 +61,11 @@ class BlockProblem:
         check("optional", self.jumps, "BlockProblem: jumps")
         self.dimension = self.blocks[0].dimension
         self.tolerance, self.kinds, self._known, self.members = meet(self.blocks, self.faces)
+        without_friction = cache(NoSlip.without_friction)
+        for own, block in zip(self.kinds, self.blocks) if self.dimension > 1 else ():
+            if block.kind == "fluid" and block.material.mu == 0.0:
+                walls = {face: met for face, met in own.items() if isinstance(met, NoSlip)}
+                own |= {face: without_friction(met) for face, met in walls.items()}
         self._columns: dict[Any, int] = {face: n for n, face in enumerate(self.outer_faces)}
         self._check_symmetry()
         self._find_laws()
@@ -144,7 +149,7 @@ class BlockProblem:
 
     def face_normal(self, k: int, node: int, axis: int, side: int) -> tuple[Array, Array]:
         """At a node of a face: the outward unit normal (d,) of the reference map, and the unit
-        vectors (n, d) to its neighbours on the face; of a point, that inwards.
+        vectors (n, d) to its neighbours on the face; in one dimension, the one inwards.
         """
         block, slopes, around = self.blocks[k], [], []
         index = np.array(np.unravel_index(node, block.shape, order="F"))[:, None]

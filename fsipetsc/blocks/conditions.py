@@ -30,8 +30,7 @@ COLUMNS |= {"slip": ("slip_length",), "outside": ("rho", "u", "T")}
 class Checked:
     """A dataclass whose data are checked; numbers become floats.
 
-    ranges: what data must be that are numbers or functions; functions: those that are no numbers;
-    fixed: those that are no functions.
+    ranges: of data; functions: those that are no numbers, fixed: those that are no functions.
     """
 
     ranges = RANGES
@@ -202,6 +201,11 @@ class NoSlip(Warm, Moving):
     of = ("fluid",)
     part = "wall"
 
+    def without_friction(self) -> Condition:
+        """What it is to a gas without viscosity. One that slides along itself is at rest then."""
+        motion = {"x": self.x, "velocity": self.velocity} if self.moves else {}
+        return Slip(T=self.T, heat_flux=self.heat_flux, **motion)
+
     @property
     def acts(self) -> bool:
         return self.slip_length is not None
@@ -215,9 +219,9 @@ class NoSlip(Warm, Moving):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Slip(Moving):
-    """A wall along which a gas slips without heat, or a plane of symmetry. Motion as of `Moving`.
-    Faces that go on smoothly, or around a convex edge, are one wall.
+class Slip(Warm, Moving):
+    """A wall along which a gas slips, or a plane of symmetry. Heat as of `Warm`, motion as of
+    `Moving`. Faces that go on smoothly, or around a convex edge, are one wall.
     """
 
     of = ("fluid",)

@@ -125,8 +125,9 @@ def solid_law(*, stress: Formula, energy: Formula | None = None) -> Any:
 
 def _law_of(kind: type, maker: str, arguments: int, **formulas: Formula | None) -> Any:
     """The law of functions, also of those without a hash, as numpy's polynomials. InputError."""
-    hashed = {k: f if isinstance(f, Hashable) else partial(f) for k, f in formulas.items()}
-    return _cached_law(kind, maker, arguments, **hashed)
+    unhashed = {k: f for k, f in formulas.items() if callable(f) and not isinstance(f, Hashable)}
+    hashed = {k: partial(f) for k, f in unhashed.items()}
+    return _cached_law(kind, maker, arguments, **formulas | hashed)
 
 
 @cache

@@ -109,8 +109,9 @@ def opened(path: Path, kind: Mapping[str, Any]) -> Iterator[tuple[h5py.File, dic
         about = json.loads(file["about"][()] if "about" in file else "{}")
         if not kind.items() <= about.items():
             what = f"{kind['format'].split()[-1]} of fsipetsc in format {kind.get('version')}"
-            own = f"{about.get('format', 'file').split()[-1]} in format {about.get('version')}"
-            raise FileError(f"{called}: is not a {what}, but a {own}")
+            of = about.get("format", "").split()[-1:]
+            own = f"a {of[0]} in format {about['version']}" if of else "a file of others"
+            raise FileError(f"{called}: is not a {what}, but {own}")
         yield file, about
 
 

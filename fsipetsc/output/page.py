@@ -221,11 +221,6 @@ def envelope(t: Array, values: Array, parts: int = 300) -> tuple[Array, Array]:
 class Images(AbstractMovieWriter):
     """Writes films as GIF, with one palette, which has rare colours, too; as WebP without loss."""
 
-    def __init__(self, fps: float, wanted: int) -> None:
-        """wanted: so many frames. Of fewer, as after an error, there is no film."""
-        super().__init__(fps)
-        self.wanted = wanted
-
     def setup(self, figure: Figure, outfile: Path, dpi: float | None = None) -> None:
         super().setup(figure, outfile, dpi)
         self.images = list[Image.Image]()
@@ -236,8 +231,7 @@ class Images(AbstractMovieWriter):
         self.images.append(image.convert("RGB"))
 
     def finish(self) -> None:
-        if len(images := self.images) < self.wanted:
-            return
+        images = self.images
         if Path(self.outfile).suffix == ".gif":
             sheet = Image.fromarray(np.concatenate(images[:: -(-len(images) // 8)]))
             palette = sheet.quantize(method=Image.Quantize.MAXCOVERAGE, kmeans=3)
@@ -264,12 +258,14 @@ def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
     figure.draw_without_rendering()
     figure.set_layout_engine("none")  # only what is drawn moves from now on
     rate = max(1.0, len(frames) / FILM_SECONDS)
-    film = FFMpegWriter(rate) if target.suffix == ".mp4" else Images(rate, len(frames))
-    with writing(target, "the film"), film.saving(figure, target, FILM_DPI):
+    film = FFMpegWriter(rate) if target.suffix == ".mp4" else Images(rate)
+    with writing(target, "the film"), rc_context({"savefig.bbox": "standard"}):
+        film.setup(figure, target, FILM_DPI)
         for frame in frames:
             for axes, view in panels:
                 axes.clear()
                 view.draw(axes, frame)
             title.set_text(drawing.of_run(run, drawing.moment(run, frame)))
             film.grab_frame()
+        film.finish()  # not after an error, as film.saving does it
     return target

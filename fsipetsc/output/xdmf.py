@@ -1,8 +1,6 @@
-"""A result for ParaView and VTK: NAME.xdmf, which holds no numbers, but names those of NAME.h5.
-
-It is a collection over time of collections of blocks, each a curvilinear grid, in two dimensions
-one point deep (with a 2DSMesh, VTK's reader takes no vectors). A HyperSlab takes one frame of a
-dataset.
+"""NAME.xdmf, by which ParaView and VTK read NAME.h5. It holds no numbers: a collection over time of
+collections of blocks, each a curvilinear grid, in two dimensions one point deep (with a 2DSMesh,
+VTK's reader takes no vectors). A HyperSlab takes one frame of a dataset.
 """
 
 import os

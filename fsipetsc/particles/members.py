@@ -29,8 +29,8 @@ SLIPS, ROLLS = 0, 1
 GAS, SOLID = 0, 1
 #: facts of a particle that are no flags: see Particle.facts
 NUMBERS = "moves_gas", "moves_solid", "heats_gas", "heats_solid", "count", "column", "law"
-#: a wall that goes into the gas of another one more steeply than by 30 degrees is a wall of its own
-CONCAVE = -0.5
+#: a wall that goes into the gas of another one by 30 degrees, or more steeply, is a wall of its own
+CONCAVE = -0.499
 #: rollers whose unit normals have at least this scalar product are one
 SMOOTH = 0.8
 
@@ -119,10 +119,8 @@ class Particle:
 
     def slides(self, face: Face) -> bool:
         """Whether the condition of a face holds what is there along the face's normal alone."""
-        met, problem = face.met, self._problem
-        gas = met.part == "wall" and problem.blocks[face.block].material
-        free = gas and (self.sticks or (gas.mu == 0.0 and problem.dimension > 1))
-        return bool(met.slides or met.part == "roller" or free)
+        part = face.met.part
+        return face.met.slides or part == "roller" or (self.sticks and part == "wall")
 
     def mover(self, gas: bool) -> Face | None:
         """The face whose condition says how its gas moves, or else its solid."""
@@ -173,7 +171,7 @@ class Particle:
         """
         met, faces = face.met, self.faces
         name = "" if met.part == "roller" else met.part
-        name = "slip" if name == "wall" and self.slides(face) else name
+        name = "slip" if name == "wall" and (self.sticks or met.slides) else name
         if met.all_given:
             name = "given_gas" if gas else "given_solid"
         elif name in faces:
@@ -187,16 +185,15 @@ class Particle:
         problem = self._problem
         sliding = [(problem.blocks[face.block].kind, face) for face in found if self.slides(face)]
         slips, rolls = ([face for of, face in sliding if of == kind] for kind in ("fluid", "solid"))
-
-        directions = cache(problem.face_normal)
+        face_normal = cache(problem.face_normal)
 
         def one_wall(one: Face, other: Face) -> bool:
             """Unless one goes into the other's gas."""
-            (n, beside), (m, along) = directions(*one[:4]), directions(*other[:4])
+            (n, beside), (m, along) = face_normal(*one[:4]), face_normal(*other[:4])
             return bool(min(*(beside @ m), *(along @ n)) > CONCAVE)
 
         def one_roller(one: Face, other: Face) -> bool:
-            return bool(directions(*one[:4])[0] @ directions(*other[:4])[0] > SMOOTH)
+            return bool(face_normal(*one[:4])[0] @ face_normal(*other[:4])[0] > SMOOTH)
 
         if self.sticks:
             slips = [one for one in slips if not any(one_roller(one, roll) for roll in rolls)]
