@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -61,11 +61,10 @@ class BlockProblem:
         check("optional", self.jumps, "BlockProblem: jumps")
         self.dimension = self.blocks[0].dimension
         self.tolerance, self.kinds, self._known, self.members = meet(self.blocks, self.faces)
-        without_friction = cache(NoSlip.without_friction)
         for own, block in zip(self.kinds, self.blocks) if self.dimension > 1 else ():
             if block.kind == "fluid" and block.material.mu == 0.0:
                 walls = {face: met for face, met in own.items() if isinstance(met, NoSlip)}
-                own |= {face: without_friction(met) for face, met in walls.items()}
+                own |= {face: met.without_friction() for face, met in walls.items()}
         self._columns: dict[Any, int] = {face: n for n, face in enumerate(self.outer_faces)}
         self._check_symmetry()
         self._find_laws()
