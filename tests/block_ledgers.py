@@ -4,14 +4,14 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc import Block, BlockProblem, Fluid
-from fsipetsc.blockrun.block_state import BlockState
-from fsipetsc.blockrun.saved import gained
 from fsipetsc.blocks.conditions import Roller, Slip
 from fsipetsc.blocks.maps import nodes, rectangle
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.particles.members import particles_of
 from fsipetsc.particles.prescribed import Prescribed
 from fsipetsc.scheme.plan import DT, NEXT, TIME
+from fsipetsc.stepping.block_state import BlockState
+from fsipetsc.stepping.saved import gained
 
 #: cells along an axis
 N = 7

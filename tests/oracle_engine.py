@@ -9,7 +9,6 @@ from mpi4py import MPI
 from oracle_formulas import rate_of, spread
 
 from fsipetsc import Block, BlockProblem, Fluid
-from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blocks import conditions
 from fsipetsc.blocks.maps import nodes
 from fsipetsc.materials.own import transport_law
@@ -17,6 +16,7 @@ from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.solid_pressure import gruneisen
 from fsipetsc.materials.stiffened_gas import stiffened_gas
 from fsipetsc.scheme.plan import RATE
+from fsipetsc.stepping.block_state import BlockState
 
 
 def by_components(value):

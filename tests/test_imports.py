@@ -12,7 +12,7 @@ CODE = (REPOSITORY / "docs" / "code.md").read_text()
 TOLD = re.findall(r"`(\w+)`", CODE[CODE.index("`api` →") : CODE.index("| folder")])
 ORDER = ["__main__", *TOLD, "__init__"]
 RANK = {name: rank for rank, name in enumerate(ORDER)}
-RUN = {"stepping", "blockrun", "paper", "state"}
+RUN = {"stepping", "paper", "state"}
 #: who knows MPI, PETSc: who starts them, computes or writes with them, reads PETSc's options
 MPI = RUN | {"cli", "api", "studies", "output", "process", "parallel"}
 PETSC = RUN | {"studies", "output", "process", "options"}

@@ -12,10 +12,10 @@ from mpi4py import MPI
 
 import fsipetsc
 from fsipetsc import Fluid, FluidLayer, InputError, Problem, Wall
-from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.kernels.symbols import Record, derivatives, replay
 from fsipetsc.problem import blocks_of_line
 from fsipetsc.scheme.face_terms import Faces
+from fsipetsc.stepping.block_state import BlockState
 from fsipetsc.stepping.notes import BEGIN, Moment, notes
 
 CASE = str(REPOSITORY / "tests" / "timed.py")

@@ -89,7 +89,7 @@ class ElasticSolid:
     def equations(self, d: int, symmetry: int = 0) -> Equations:
         """Its equations, also around an axis (1) or a centre (2); InputError if force has not d
         numbers. In three dimensions, around an axis or a centre, and of a law of a case faces have
-        p_ref, not the stress (fsipetsc.blockrun.block_part): under it a solid is at rest exactly.
+        p_ref, not the stress (fsipetsc.stepping.block_part): under it a solid is at rest exactly.
         """
         force, law = force_in(self.force, d, "ElasticSolid"), self.solid_law
         if isinstance(self.law, str) and (symmetry or d == 3):

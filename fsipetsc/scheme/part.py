@@ -1,5 +1,5 @@
 """What procedures share for a rank's part of a block, of gas or solid. They take the part as a
-record: arrays and numbers with names (fsipetsc.blockrun.block_part). Of M owned nodes, and of N in
+record: arrays and numbers with names (fsipetsc.stepping.block_part). Of M owned nodes, and of N in
 the ghosted array, in d dimensions it has what fsipetsc.parallel.block_layout.Part has, and
 
     d: known when a procedure is recorded, as it says how many numbers tuples have; values of other

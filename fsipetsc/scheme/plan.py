@@ -8,7 +8,7 @@ Procedures take and fill ``found``, a record of the solution y, its stages, tota
 becomes the next one, gain (fsipetsc.scheme.part), plan: see `plan_next`, time: (1,) of recorded
 data, stage: (2,) what sweeps make of rates (fsipetsc.scheme.sweep), left: (runs, 2) begin and end
 of the numbers of a world vector of which sweeps give rates in any case, at_ends: 4 (interfaces,),
-and what fsipetsc.blockrun.block_state has.
+and what fsipetsc.stepping.block_state has.
 """
 
 import numpy as np

@@ -10,14 +10,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.blockrun.block_state import BlockState
-from fsipetsc.blockrun.parts import SolidPart
 from fsipetsc.checks import Array, place_text
 from fsipetsc.equations.tensors import determinant
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.scheme.observables import drifts
 from fsipetsc.scheme.plan import BAD, OFF_GRID, RATE, TIME, longest_step
 from fsipetsc.state import State
+from fsipetsc.stepping.block_state import BlockState
+from fsipetsc.stepping.parts import SolidPart
 
 #: Courant number beyond which steps are said to be long: the classical method, on a periodic grid,
 #: is unstable beyond 1.6 to 2.8 (orders 8 to 2)

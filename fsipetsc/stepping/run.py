@@ -16,7 +16,6 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.checks import counted, described, duration
 from fsipetsc.errors import ComputationError, FileError, InputError, Interrupted, call, place_of
@@ -32,6 +31,7 @@ from fsipetsc.problem import Problem, blocks_of_line
 from fsipetsc.process.together import say, together
 from fsipetsc.scheme.plan import RATE, longest_step
 from fsipetsc.state import State
+from fsipetsc.stepping.block_state import BlockState
 from fsipetsc.stepping.integrator import KEPT, Integrator
 from fsipetsc.stepping.notes import BEGIN, END, FRAME, Moment, long_steps, notes, of_laws
 from fsipetsc.stepping.restart import Past, checkpoint_name, facts, find_past, other_checkpoint

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.blockrun.saved import fields_of
 from fsipetsc.blocks.block import mesh
 from fsipetsc.blocks.block_problem import BlockFace
 from fsipetsc.blocks.conditions import COLUMNS, VECTORS, Condition
@@ -26,6 +25,7 @@ from fsipetsc.scheme.face_terms import Faces, load_face, pass_face
 from fsipetsc.scheme.observables import SERIES
 from fsipetsc.scheme.recorded_data import Source, asked, forcing_of, found_by
 from fsipetsc.scheme.sweep import in_order
+from fsipetsc.stepping.saved import fields_of
 
 
 class BlockPart(Part):

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.blockrun.block_part import BlockPart
 from fsipetsc.blocks.conditions import Centre
 from fsipetsc.blocks.grid import grid_of
 from fsipetsc.blocks.metrics import solid_metrics
@@ -27,6 +26,7 @@ from fsipetsc.scheme.gas_terms import CONSERVED, add_force, convection_of
 from fsipetsc.scheme.monitor import MONITORED, ROOM_COLUMNS
 from fsipetsc.scheme.part import images, rates
 from fsipetsc.scheme.solid_sweep import SolidSweep, solid_kernels
+from fsipetsc.stepping.block_part import BlockPart
 
 #: procedures of parts, and of those whose grid moves
 OF_GAS = rates, of_gas.monitor, of_gas.find_volumes

@@ -1,4 +1,4 @@
-"""The state of a run of blocks; what is done in a stage says fsipetsc.blockrun.phases."""
+"""The state of a run of blocks; what is done in a stage says fsipetsc.stepping.phases."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -9,9 +9,6 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.blockrun import saved
-from fsipetsc.blockrun.parts import GasPart, SolidPart
-from fsipetsc.blockrun.phases import phases, procedures_of_steps
 from fsipetsc.blocks.block import size_of
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.checks import block_values, checked, names_of
@@ -29,6 +26,9 @@ from fsipetsc.scheme.monitor import MONITORED
 from fsipetsc.scheme.observables import PLACES, VELOCITIES
 from fsipetsc.scheme.plan import RATE, SOLUTION, STAGES
 from fsipetsc.state import State
+from fsipetsc.stepping import saved
+from fsipetsc.stepping.parts import GasPart, SolidPart
+from fsipetsc.stepping.phases import phases, procedures_of_steps
 
 #: by order: how much shorter steps are with dissipation of strength 1 at shocks. That alone is a
 #: number of -1.6 at Courant number 0.8, of 2.785 that the classical method bears; next to the ends
