@@ -13,9 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 from matplotlib import rc_context
-from matplotlib.animation import AbstractMovieWriter, FFMpegWriter
+from matplotlib.animation import FFMpegWriter, PillowWriter
 from matplotlib.figure import Figure
-from PIL import Image
 
 from fsipetsc.checks import Array, counted
 from fsipetsc.errors import InputError
@@ -218,28 +217,6 @@ def envelope(t: Array, values: Array, parts: int = 300) -> tuple[Array, Array]:
     return t[at], values[at]
 
 
-class Images(AbstractMovieWriter):
-    """Writes films as GIF, with one palette, which has rare colours, too; as WebP without loss."""
-
-    def setup(self, figure: Figure, outfile: Path, dpi: float | None = None) -> None:
-        super().setup(figure, outfile, dpi)
-        self.images = list[Image.Image]()
-
-    def grab_frame(self, **of_save: object) -> None:
-        self.fig.savefig(buffer := io.BytesIO(), format="rgba", dpi=self.dpi)
-        image = Image.frombytes("RGBA", self.frame_size, buffer.getvalue())
-        self.images.append(image.convert("RGB"))
-
-    def finish(self) -> None:
-        images = self.images
-        if Path(self.outfile).suffix == ".gif":
-            sheet = Image.fromarray(np.concatenate(images[:: -(-len(images) // 8)]))
-            palette = sheet.quantize(method=Image.Quantize.MAXCOVERAGE, kmeans=3)
-            images = [one.quantize(palette=palette, dither=Image.Dither.NONE) for one in images]
-        more = {"append_images": images[1:], "duration": 1e3 / self.fps, "loop": 0}
-        images[0].save(self.outfile, save_all=True, lossless=True, **more)
-
-
 def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
     """Draw a film, all frames with the same scales; return it. FileError."""
     if run.nframes < 2:
@@ -258,7 +235,7 @@ def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
     figure.draw_without_rendering()
     figure.set_layout_engine("none")  # only what is drawn moves from now on
     rate = max(1.0, len(frames) / FILM_SECONDS)
-    film = FFMpegWriter(rate) if target.suffix == ".mp4" else Images(rate)
+    film = FFMpegWriter(rate) if target.suffix == ".mp4" else PillowWriter(rate)
     with writing(target, "the film"), rc_context({"savefig.bbox": "standard"}):
         film.setup(figure, target, FILM_DPI)
         for frame in frames:
