@@ -44,6 +44,8 @@ ALIKE = 0.1  # span of values over the larger one; if gas and solid have more, t
 BESIDE = 0.05  # of the span of values so much at least is on either side of white
 ROWS = 500  # of a map over x and t, at least
 
+#: of the title of a figure: at the left, broken where it is wider than the figure
+TITLE: dict[str, Any] = {"x": 0.01, "ha": "left", "fontsize": 10, "weight": "bold", "wrap": True}
 STYLE: dict[Any, Any] = {
     "font.size": 9,
     "axes.titlesize": 9,
@@ -72,11 +74,6 @@ def save(figure: Figure, path: Path) -> Path:
     with writing(path):
         figure.savefig(path, bbox_inches="tight")  # layouts of wide maps cut labels off else
     return path
-
-
-def set_title(figure: Figure, title: str) -> Any:
-    """Write the title at the top left, broken where it is wider than the figure."""
-    return figure.suptitle(title, x=0.01, ha="left", fontsize=10, weight="bold", wrap=True)
 
 
 def of_run(run: Run, what: str) -> str:

@@ -96,7 +96,7 @@ def draw_geometry(problem: BlockProblem, name: str, about: str) -> Path:
             view.set_aspect("equal")
         view.set_anchor("NW")
         drawing.legend_above(view, "right", most=12, columns=6)
-        drawing.set_title(figure, f"{name}: {about}")
+        figure.suptitle(f"{name}: {about}", **drawing.TITLE)
         return drawing.save(figure, Path(f"{name}-geometry.png"))
 
 

@@ -137,7 +137,7 @@ def drawn(run: Run, title: str, drawings: Sequence[Drawing]) -> Figure:
     parts = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
     for part, (_, draw) in zip(parts, drawings):
         draw(part)
-    drawing.set_title(figure, drawing.of_run(run, title))
+    figure.suptitle(drawing.of_run(run, title), **drawing.TITLE)
     return figure
 
 
@@ -227,7 +227,7 @@ def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
     plane, width = run.dimension > 1, max(width, 4.0) + 1.2  # of a bar's label, at least
     figure = Figure(figsize=(len(views) * width, height + 0.9) if plane else (WIDTH, 3.4))
     panels = [*zip(figure.subplots(1, len(views), squeeze=False)[0], views)]
-    title = drawing.set_title(figure, drawing.of_run(run, drawing.moment(run, -1)))
+    title = figure.suptitle(drawing.of_run(run, drawing.moment(run, -1)), **drawing.TITLE)
     for axes, view in panels:
         view.draw(axes, 0)
         if plane:

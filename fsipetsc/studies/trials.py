@@ -108,7 +108,7 @@ def picture(title: str, rows: Sequence[Row], path: Path) -> None:
             axes.set_xticks([], minor=True)
             axes.set_xticks(spacings, [f"{h:.4g}" for h in spacings], fontsize=8)
             axes.legend()
-        drawing.set_title(figure, title)
+        figure.suptitle(title, **drawing.TITLE)
         drawing.save(figure, path)
 
 
