@@ -56,9 +56,8 @@ Drawing = tuple[float, Callable[[Figure], None]]
 
 def plot(path: str, given: Mapping[str, str]) -> str:
     """Do what the options ask for; return the files written, a line each. FileError, InputError."""
-    fields = given.get("-fields", "")
     wanted = Wanted(
-        fields=[name.strip() for name in fields.split(",") if fields],
+        fields=[name.strip() for name in given["-fields"].split(",")] if "-fields" in given else (),
         times=TIMES.parse(given["-times"]) if "-times" in given else (),
         contours=CONTOURS.parse(given.get("-contours", "0")),
         streamlines="-streamlines" in given,
