@@ -70,18 +70,17 @@ def plot(path: str, given: Mapping[str, str]) -> str:
         others = " (films: -animate; .mp4: with the program ffmpeg)" * (where.suffix in FILMS)
         endings = " or ".join(["a directory", *endings])
         raise InputError(f"plot: -o {where}: expected {endings}{others}")
+    usual = [kind for kind in films if kind != ".webp"] if film else [".png"]
+    targets = [where] if where.suffix in endings else [where / f"{stem}{kind}" for kind in usual]
     with open_run(path) as run, rc_context(drawing.STYLE), np.errstate(all="ignore"):
         for name, one in pictures(run, wanted).items() if every else ():
             labels = there(run).get(name, {"": TITLES.get(name, name)})  # of gases, of solids
             picture = drawn(run, "; ".join(dict.fromkeys(labels.values())), [one])
             done.append(drawing.save(picture, where / f"{stem}-{name}.png"))
         if film:
-            usual = [where / f"{stem}{kind}" for kind in films if kind != ".webp"]
-            targets = [where] if where.suffix in FILMS else usual
             done += [animate(run, target, wanted) for target in targets]
         if not done:
-            target = where if where.suffix in PICTURES else where / f"{stem}.png"
-            done = [drawing.save(page(run, wanted), target)]
+            done = [drawing.save(page(run, wanted), targets[0])]
     return "\n".join(map(str, done))
 
 
