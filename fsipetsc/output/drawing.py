@@ -308,10 +308,9 @@ class View:
                 nodes, velocities = np.reshape(found, (2, 2, -1)).swapaxes(1, 2)
                 flow[inside] = griddata(nodes, velocities, points[inside])
         speed = np.linalg.norm(flow, axis=-1)
-        if np.isfinite(speed).any():  # else there are solids alone
-            flow[speed < 1e-3 * np.nanmax(speed)] = np.nan  # there are no lines where gas rests
-            lines = flow.T.reshape(2, STREAM, STREAM)
-            axes.streamplot(x, y, *lines, color="white", linewidth=0.5, arrowsize=0.5)
+        flow[speed < 1e-3 * extremes(speed)[1]] = np.nan  # there are no lines where gas rests
+        lines = flow.T.reshape(2, STREAM, STREAM)
+        axes.streamplot(x, y, *lines, color="white", linewidth=0.5, arrowsize=0.5)
 
 
 def frames_of(run: Run, name: str, times: Sequence[float] = ()) -> list[int]:
